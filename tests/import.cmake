@@ -1,1 +1,1 @@
-# tests of this topic
+ls_add_test(NAME test_import SOURCES test_import.c LIBRARIES ls_import)

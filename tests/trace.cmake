@@ -1,1 +1,9 @@
-# tests of this topic
+# The runtime library and the batch tracer.
+
+# A device, a file on it, rays to hits: for every test that traces.
+add_library(ls_test_gpu STATIC gpu.c)
+target_include_directories(ls_test_gpu PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(ls_test_gpu PUBLIC ls_app PRIVATE ls_options PkgConfig::CMOCKA)
+
+ls_add_test(NAME test_runtime SOURCES test_runtime.c fake_vulkan.c small_scenes.c
+    LIBRARIES ls_test_gpu ls_format_write)

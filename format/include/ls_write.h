@@ -34,7 +34,8 @@ uint64_t ls_file_desc_bytes(const LsFileDesc* desc);
 
 // Writes `path` atomically: a temporary file in the same directory, zero in place of the magic until
 // all else is on disk, fsync, rename, fsync of the directory. On failure nothing is left behind and an
-// older file of that name is untouched. Errors: OUTPUT, OUTPUT_FULL, FILE_IS_DIRECTORY, INPUT_LIMIT.
+// older file of that name is untouched. A path that names a directory or a device is refused; a link is
+// followed. Errors: OUTPUT, OUTPUT_FULL, INPUT_LIMIT.
 LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error);
 
 // Writes bytes to `path` with the same care; for pictures and reports.

@@ -1,0 +1,381 @@
+// bake.c - ls_bake_run: one call per stage, straight down.
+
+#include "ls_bake.h"
+
+#include "import/import.h"
+#include "ls_write.h"
+#include "mesh.h"
+#include "pack.h"
+#include "tables.h"
+#include "voxels.h"
+#include "world.h"
+
+#include <math.h>
+#include <omp.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+
+#define XXH_INLINE_ALL
+#include <xxhash.h>
+
+#define DEFAULT_PATCHES 3
+
+const char* ls_bake_stage_text(LsBakeStage stage)
+{
+    static const char* const texts[] = {
+#define LS_BAKE_STAGE_TEXT(name, text) text,
+        LS_BAKE_STAGE_LIST(LS_BAKE_STAGE_TEXT)
+#undef LS_BAKE_STAGE_TEXT
+    };
+    return (unsigned)stage < LS_BAKE_STAGE_COUNT ? texts[stage] : "unknown";
+}
+
+// The state of one run.
+typedef struct Bake
+{
+    const LsBakeDesc* desc;
+    LsBakeReport report;
+    LsInput input;
+    LsMesh* meshes;
+    LsBakedObject* objects;
+    LsWorld world;
+    LsPack pack;
+    uint8_t source_hash[16];
+    uint32_t patches;
+    uint32_t threads;
+    double stage_begin;
+} Bake;
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+static void begin_stage(Bake* bake, LsBakeStage stage)
+{
+    bake->stage_begin = now();
+    if (bake->desc->progress != NULL)
+    {
+        bake->desc->progress(bake->desc->progress_user, ls_bake_stage_text(stage), 0.0);
+    }
+}
+
+static void note_progress(Bake* bake, LsBakeStage stage, double fraction)
+{
+    if (bake->desc->progress != NULL)
+    {
+        bake->desc->progress(bake->desc->progress_user, ls_bake_stage_text(stage), fraction);
+    }
+}
+
+static void end_stage(Bake* bake, LsBakeStage stage)
+{
+    note_progress(bake, stage, 1.0);
+    bake->report.stage_seconds[stage] += now() - bake->stage_begin;
+}
+
+static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
+{
+    if (desc->input_count == 0 || desc->output == NULL)
+    {
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "a bake needs at least one scene file and an output");
+    }
+    if (desc->grid > LS_MAX_CELLS)
+    {
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "grid %u is outside 1..%u", desc->grid, LS_MAX_CELLS);
+    }
+    if (desc->patches > LS_MAX_PATCHES)
+    {
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "patches %u is outside 1..%u", desc->patches, LS_MAX_PATCHES);
+    }
+    return LS_OK;
+}
+
+// Cells along the longest side until there is a cost model: about four triangles' widths of a surface of even triangles.
+static uint32_t default_grid(uint32_t triangle_count)
+{
+    double side = floor(sqrt((double)triangle_count) / 4.0);
+    return side < 4.0 ? 4 : (side > 512.0 ? 512 : (uint32_t)side);
+}
+
+static LsResult import_all(Bake* bake, LsError* error)
+{
+    for (uint32_t i = 0; i < bake->desc->input_count; i++)
+    {
+        LsResult result = ls_import(&bake->input, bake->desc->inputs[i], error);
+        if (result != LS_OK)
+        {
+            return result;
+        }
+        note_progress(bake, LS_BAKE_STAGE_IMPORT, (double)(i + 1) / bake->desc->input_count);
+    }
+    uint64_t faces = 0;
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        faces += bake->input.meshes[i].triangle_count;
+    }
+    if (faces == 0 || bake->input.instance_count == 0)
+    {
+        return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES, "%s: no triangles in the scene; nothing to bake",
+                            bake->desc->inputs[0]);
+    }
+    return LS_OK;
+}
+
+// What decides the bytes: the imported scene, the options, and the version of the format.
+static void hash_source(Bake* bake)
+{
+    const LsInput* input = &bake->input;
+    XXH3_state_t state;
+    XXH3_128bits_reset(&state);
+    const uint32_t options[] = {LS_FORMAT_MAJOR, LS_FORMAT_MINOR, LS_VERSION_MAJOR, LS_VERSION_MINOR, bake->desc->grid,
+                                bake->patches};
+    XXH3_128bits_update(&state, options, sizeof options);
+    for (uint32_t i = 0; i < input->mesh_count; i++)
+    {
+        const LsInputMesh* mesh = &input->meshes[i];
+        const uint32_t counts[] = {mesh->vertex_count, mesh->triangle_count};
+        XXH3_128bits_update(&state, counts, sizeof counts);
+        XXH3_128bits_update(&state, mesh->positions, sizeof(float) * 3 * mesh->vertex_count);
+        XXH3_128bits_update(&state, mesh->indices, sizeof(uint32_t) * 3 * mesh->triangle_count);
+        XXH3_128bits_update(&state, mesh->materials, sizeof(uint32_t) * mesh->triangle_count);
+    }
+    for (uint32_t i = 0; i < input->instance_count; i++)
+    {
+        const LsInputInstance* instance = &input->instances[i];
+        const uint32_t links[] = {instance->mesh, instance->node};
+        XXH3_128bits_update(&state, links, sizeof links);
+        XXH3_128bits_update(&state, instance->world_from_object, sizeof instance->world_from_object);
+    }
+    XXH3_128bits_update(&state, input->nodes, sizeof(LsSceneNode) * input->node_count);
+    XXH3_128bits_update(&state, input->materials, sizeof(LsMaterial) * input->material_count);
+    XXH3_128bits_update(&state, input->cameras, sizeof(LsCamera) * input->camera_count);
+    XXH128_canonical_t canonical;
+    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state));
+    memcpy(bake->source_hash, canonical.digest, sizeof bake->source_hash);
+}
+
+// Whether the output is a sound file of just this input.
+static bool is_up_to_date(Bake* bake)
+{
+    LsMapping mapping;
+    if (ls_mapping_open(&mapping, bake->desc->output, NULL) != LS_OK)
+    {
+        return false;
+    }
+    LsFile file;
+    bool current = ls_file_open(&file, mapping.bytes, mapping.size, bake->desc->output, NULL) == LS_OK &&
+                   memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0;
+    bake->report.file_bytes = mapping.size;
+    ls_mapping_close(&mapping);
+    return current;
+}
+
+static LsResult make_meshes(Bake* bake, LsError* error)
+{
+    uint32_t count = bake->input.mesh_count;
+    uint64_t triangles = 0;
+    bake->meshes = calloc(count, sizeof(LsMesh));
+    bake->objects = calloc(count, sizeof(LsBakedObject));
+    if (bake->meshes == NULL || bake->objects == NULL)
+    {
+        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u objects", count);
+    }
+    for (uint32_t i = 0; i < count; i++)
+    {
+        LsInputMesh* source = &bake->input.meshes[i];
+        LsResult result = ls_mesh_create(&bake->meshes[i], source, bake->desc->inputs[source->input_index], error);
+        if (result != LS_OK)
+        {
+            return result;
+        }
+        bake->report.face_count += bake->meshes[i].face_count;
+        bake->report.degenerate_count += bake->meshes[i].degenerate_count;
+        triangles += bake->meshes[i].triangle_count;
+        // The mesh has its own copy; large scenes need the room.
+        free(source->positions);
+        free(source->indices);
+        free(source->materials);
+        source->positions = NULL;
+        source->indices = NULL;
+        source->materials = NULL;
+    }
+    bake->report.triangle_count = triangles;
+    return triangles > 0 ? LS_OK
+                         : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                                        "%s: all %llu triangles are degenerate; nothing to bake", bake->desc->inputs[0],
+                                        (unsigned long long)bake->report.face_count);
+}
+
+static void count_voxels(Bake* bake, const LsVoxels* voxels)
+{
+    LsBakeReport* report = &bake->report;
+    const uint32_t* cells = voxels->frame.cells;
+    report->cell_count += (uint64_t)cells[0] * cells[1] * cells[2];
+    report->cell_block_count += voxels->cell_block_count;
+    report->voxel_count += voxels->voxel_count;
+    report->subgrid_count += voxels->subgrid_count;
+    report->reference_count += voxels->reference_count;
+    report->depth = voxels->depth > report->depth ? voxels->depth : report->depth;
+    for (uint32_t i = 0; i < voxels->voxel_count; i++)
+    {
+        report->voxel_kind_count[voxels->voxels[i].kind]++;
+    }
+}
+
+static LsResult make_voxels(Bake* bake, LsError* error)
+{
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        LsMesh* mesh = &bake->meshes[i];
+        if (mesh->triangle_count <= LS_LIST_TRIANGLES)
+        {
+            bake->report.list_object_count++;
+            continue;
+        }
+        LsGridFrame frame = ls_grid_frame(mesh, bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count));
+        LsResult result = ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads, error);
+        if (result != LS_OK)
+        {
+            return result;
+        }
+        bake->objects[i].has_grid = true;
+        count_voxels(bake, &bake->objects[i].voxels);
+        note_progress(bake, LS_BAKE_STAGE_VOXELS, (double)(i + 1) / bake->input.mesh_count);
+    }
+    return LS_OK;
+}
+
+static LsResult make_tables(Bake* bake, LsError* error)
+{
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        LsBakedObject* object = &bake->objects[i];
+        if (!object->has_grid)
+        {
+            continue;
+        }
+        LsResult result =
+            ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i], bake->patches, bake->threads, error);
+        if (result != LS_OK)
+        {
+            return result;
+        }
+        bake->report.shaft_count += object->tables.shaft_count;
+        bake->report.filled_shaft_count += object->tables.filled_count;
+        note_progress(bake, LS_BAKE_STAGE_LINESPACE, (double)(i + 1) / bake->input.mesh_count);
+    }
+    return LS_OK;
+}
+
+static LsResult pack_all(Bake* bake, LsError* error)
+{
+    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    if (result == LS_OK)
+    {
+        result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects, &bake->world, bake->patches, error);
+    }
+    if (result == LS_OK)
+    {
+        memcpy(bake->pack.desc.source_hash, bake->source_hash, sizeof bake->source_hash);
+        LsBakeReport* report = &bake->report;
+        const LsFileDesc* desc = &bake->pack.desc;
+        report->object_count = desc->OBJECTS_count;
+        report->instance_count = desc->INSTANCES_count;
+        report->material_count = desc->MATERIALS_count;
+        report->light_count = desc->LIGHTS_count;
+        report->camera_count = desc->CAMERAS_count;
+        report->max_condition = bake->world.max_condition;
+        report->file_bytes = ls_file_desc_bytes(desc);
+#define LS_CHUNK_BYTES(NAME, field, type, code)                                                    \
+    report->chunk_bytes[LS_CHUNK_##NAME] = sizeof(type) * (uint64_t)desc->NAME##_count;
+        LS_CHUNK_LIST(LS_CHUNK_BYTES)
+#undef LS_CHUNK_BYTES
+    }
+    return result;
+}
+
+static uint64_t peak_memory(void)
+{
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
+}
+
+static LsResult run_stages(Bake* bake, LsError* error)
+{
+    begin_stage(bake, LS_BAKE_STAGE_IMPORT);
+    LsResult result = import_all(bake, error);
+    end_stage(bake, LS_BAKE_STAGE_IMPORT);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    hash_source(bake);
+    if (!bake->desc->force && is_up_to_date(bake))
+    {
+        bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
+        return LS_OK;
+    }
+
+    static const struct
+    {
+        LsBakeStage stage;
+        LsResult (*run)(Bake*, LsError*);
+    } stages[] = {{LS_BAKE_STAGE_MESH, make_meshes},
+                  {LS_BAKE_STAGE_VOXELS, make_voxels},
+                  {LS_BAKE_STAGE_LINESPACE, make_tables},
+                  {LS_BAKE_STAGE_PACK, pack_all}};
+    for (size_t i = 0; i < sizeof stages / sizeof *stages && result == LS_OK; i++)
+    {
+        begin_stage(bake, stages[i].stage);
+        result = stages[i].run(bake, error);
+        end_stage(bake, stages[i].stage);
+    }
+    if (result == LS_OK)
+    {
+        begin_stage(bake, LS_BAKE_STAGE_WRITE);
+        result = ls_file_write(&bake->pack.desc, bake->desc->output, error);
+        end_stage(bake, LS_BAKE_STAGE_WRITE);
+    }
+    return result;
+}
+
+LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error)
+{
+    LsResult result = check_desc(desc, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    Bake bake = {.desc = desc,
+                 .patches = desc->patches != 0 ? desc->patches : DEFAULT_PATCHES,
+                 .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
+    result = run_stages(&bake, error);
+    bake.report.peak_memory_bytes = peak_memory();
+    if (report != NULL)
+    {
+        *report = bake.report;
+    }
+    for (uint32_t i = 0; i < bake.input.mesh_count; i++)
+    {
+        if (bake.meshes != NULL)
+        {
+            ls_mesh_destroy(&bake.meshes[i]);
+        }
+        if (bake.objects != NULL)
+        {
+            ls_voxels_destroy(&bake.objects[i].voxels);
+            ls_tables_destroy(&bake.objects[i].tables);
+        }
+    }
+    free(bake.meshes);
+    free(bake.objects);
+    ls_pack_destroy(&bake.pack);
+    ls_world_destroy(&bake.world);
+    ls_input_destroy(&bake.input);
+    return result;
+}

@@ -1,0 +1,353 @@
+// subdivide.c - divides crowded voxels breadth first, so that blocks and voxels come out in file order.
+
+#include "subdivide.h"
+
+#include "bvh.h"
+#include "overlap.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define BVH_LEAF_TRIANGLES 4
+
+// A voxel that waits for its division.
+typedef struct Pending
+{
+    LsWorkVoxel voxel;
+    uint32_t* references; // owned
+    uint32_t count;
+    uint32_t parent; // local block
+    uint32_t slot;   // the voxel's place in tree->voxels, or LS_NONE for the grid's own
+} Pending;
+
+typedef struct Divider
+{
+    LsSubtree* tree;
+    const LsMesh* mesh;
+    const LsGridFrame* frame;
+    double grow;
+    Pending* queue;
+    uint32_t queue_count, queue_capacity;
+    uint32_t block_capacity, voxel_capacity, reference_capacity, leaf_node_capacity;
+    uint64_t* touched; // per triangle of the voxel at hand: children it touches
+    uint32_t touched_capacity;
+} Divider;
+
+static bool reserve(void** array, uint32_t* capacity, uint64_t count, size_t size)
+{
+    if (count <= *capacity)
+    {
+        return true;
+    }
+    uint64_t wanted = count + count / 2 + 16;
+    void* grown = wanted > UINT32_MAX ? NULL : realloc(*array, wanted * size);
+    if (grown == NULL)
+    {
+        return false;
+    }
+    *array = grown;
+    *capacity = (uint32_t)wanted;
+    return true;
+}
+
+static double level_size(uint32_t level)
+{
+    return 1.0 / (double)(1u << (2 * level));
+}
+
+static LsOverlap prepare(const Divider* divider, uint32_t triangle, double corners[3][3])
+{
+    const LsTriangle* t = &divider->mesh->triangles[triangle];
+    ls_grid_point(divider->frame, t->v0, corners[0]);
+    ls_grid_point(divider->frame, t->v1, corners[1]);
+    ls_grid_point(divider->frame, t->v2, corners[2]);
+    return ls_overlap_prepare((const double(*)[3])corners);
+}
+
+// Which of the 4^3 children a triangle touches.
+static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxel, const LsOverlap* triangle)
+{
+    double size = level_size(voxel->level + 1);
+    int low[3], high[3];
+    double half[3] = {0.5 * size + divider->grow, 0.5 * size + divider->grow, 0.5 * size + divider->grow};
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double origin = 4.0 * voxel->cell[axis];
+        double begin = floor((triangle->lower[axis] - divider->grow) / size) - origin;
+        double end = floor((triangle->upper[axis] + divider->grow) / size) - origin;
+        low[axis] = begin > 0.0 ? (begin < 4.0 ? (int)begin : 4) : 0;
+        high[axis] = end < 3.0 ? (end >= 0.0 ? (int)end : -1) : 3;
+    }
+    uint64_t children = 0;
+    for (int z = low[2]; z <= high[2]; z++)
+    {
+        for (int y = low[1]; y <= high[1]; y++)
+        {
+            for (int x = low[0]; x <= high[0]; x++)
+            {
+                double centre[3] = {(4.0 * voxel->cell[0] + x + 0.5) * size, (4.0 * voxel->cell[1] + y + 0.5) * size,
+                                    (4.0 * voxel->cell[2] + z + 0.5) * size};
+                if (ls_overlap_box(triangle, centre, half))
+                {
+                    children |= 1ull << (x + 4 * y + 16 * z);
+                }
+            }
+        }
+    }
+    return children;
+}
+
+// Fills touched[] and the children's counts; says whether the division pays.
+static bool division_pays(Divider* divider, const Pending* pending, uint32_t counts[LS_BLOCK_CELLS], bool* memory)
+{
+    *memory = reserve((void**)&divider->touched, &divider->touched_capacity, pending->count, sizeof(uint64_t));
+    if (!*memory || pending->voxel.level >= divider->frame->depth)
+    {
+        return false;
+    }
+    memset(counts, 0, sizeof(uint32_t) * LS_BLOCK_CELLS);
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < pending->count; i++)
+    {
+        double corners[3][3];
+        LsOverlap triangle = prepare(divider, pending->references[i], corners);
+        uint64_t children = touched_children(divider, &pending->voxel, &triangle);
+        divider->touched[i] = children;
+        for (; children != 0; children &= children - 1)
+        {
+            counts[__builtin_ctzll(children)]++;
+            sum++;
+        }
+    }
+    uint32_t fewest = UINT32_MAX;
+    for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+    {
+        fewest = counts[c] != 0 && counts[c] < fewest ? counts[c] : fewest;
+    }
+    return sum != 0 && sum <= 4ull * pending->count && fewest <= 0.8 * pending->count;
+}
+
+// Octant distances of a 4^3 block by its filled cells; outside counts as empty.
+static uint32_t distance_word(uint64_t filled, int x, int y, int z)
+{
+    uint32_t word = 0;
+    for (int octant = 0; octant < 8; octant++)
+    {
+        uint32_t distance = 15;
+        for (int k = 1; k < 4 && distance == 15; k++)
+        {
+            for (int i = 0; i < (k + 1) * (k + 1) * (k + 1) && distance == 15; i++)
+            {
+                int dx = i % (k + 1), dy = i / (k + 1) % (k + 1), dz = i / ((k + 1) * (k + 1));
+                int cx = octant & 1 ? x - dx : x + dx, cy = octant & 2 ? y - dy : y + dy;
+                int cz = octant & 4 ? z - dz : z + dz;
+                bool inside = cx >= 0 && cx < 4 && cy >= 0 && cy < 4 && cz >= 0 && cz < 4;
+                if (inside && (filled >> (cx + 4 * cy + 16 * cz) & 1) != 0)
+                {
+                    distance = (uint32_t)k;
+                }
+            }
+        }
+        word |= distance << (4 * octant);
+    }
+    return word;
+}
+
+// A BVH over the voxel's triangles, each boxed by its part inside the voxel; boxes grown as SPEC 6 says.
+static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references, uint32_t count)
+{
+    LsSubtree* tree = divider->tree;
+    LsBox* boxes = malloc(sizeof(LsBox) * count);
+    uint32_t* order = malloc(sizeof(uint32_t) * count);
+    uint32_t* permuted = malloc(sizeof(uint32_t) * count);
+    bool ok = boxes != NULL && order != NULL && permuted != NULL &&
+              reserve((void**)&tree->leaf_nodes, &divider->leaf_node_capacity,
+                      (uint64_t)tree->leaf_node_count + 2ull * count, sizeof(LsBvhNode));
+    if (ok)
+    {
+        double size = level_size(voxel->level), grow = divider->grow;
+        for (uint32_t i = 0; i < count; i++)
+        {
+            double corners[3][3];
+            LsOverlap triangle = prepare(divider, references[i], corners);
+            for (int axis = 0; axis < 3; axis++)
+            {
+                double low = voxel->cell[axis] * size - grow, high = (voxel->cell[axis] + 1) * size + grow;
+                boxes[i].lower[axis] = fmin(fmax(triangle.lower[axis], low), high) - 2.0 * grow;
+                boxes[i].upper[axis] = fmax(fmin(triangle.upper[axis], high), low) + 2.0 * grow;
+            }
+            order[i] = i;
+        }
+        voxel->kind = LS_VOXEL_BVH;
+        voxel->table = tree->leaf_node_count;
+        tree->leaf_node_count += ls_bvh_build(boxes, order, count, BVH_LEAF_TRIANGLES, tree->leaf_nodes + voxel->table);
+        for (uint32_t i = 0; i < count; i++)
+        {
+            permuted[i] = references[order[i]];
+        }
+        memcpy(references, permuted, sizeof(uint32_t) * count);
+    }
+    free(boxes);
+    free(order);
+    free(permuted);
+    return ok;
+}
+
+static bool append_references(Divider* divider, LsWorkVoxel* voxel, const uint32_t* references, uint32_t count)
+{
+    LsSubtree* tree = divider->tree;
+    if (!reserve((void**)&tree->references, &divider->reference_capacity, (uint64_t)tree->reference_count + count,
+                 sizeof(uint32_t)))
+    {
+        return false;
+    }
+    voxel->first_reference = tree->reference_count;
+    voxel->reference_count = count;
+    memcpy(tree->references + tree->reference_count, references, sizeof(uint32_t) * count);
+    tree->reference_count += count;
+    return true;
+}
+
+static bool push(Divider* divider, Pending pending)
+{
+    if (!reserve((void**)&divider->queue, &divider->queue_capacity, (uint64_t)divider->queue_count + 1, sizeof(Pending)))
+    {
+        return false;
+    }
+    divider->queue[divider->queue_count++] = pending;
+    return true;
+}
+
+static uint32_t kind_by_count(uint32_t count)
+{
+    return count <= LS_DIRECT_TRIANGLES ? LS_VOXEL_LIST : LS_VOXEL_MASKS;
+}
+
+// The children's voxels, in cell order; those that are crowded themselves wait in the queue.
+static bool make_children(Divider* divider, const Pending* pending, uint32_t block, const uint32_t counts[LS_BLOCK_CELLS])
+{
+    LsSubtree* tree = divider->tree;
+    uint64_t filled = 0;
+    for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+    {
+        filled |= (uint64_t)(counts[c] != 0) << c;
+    }
+    for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+    {
+        uint32_t x = c & 3, y = c >> 2 & 3, z = c >> 4;
+        if (counts[c] == 0)
+        {
+            tree->blocks[block].cells[c] = distance_word(filled, (int)x, (int)y, (int)z);
+            continue;
+        }
+        const uint32_t* cell = pending->voxel.cell;
+        LsWorkVoxel child = {.cell = {4 * cell[0] + x, 4 * cell[1] + y, 4 * cell[2] + z},
+                             .level = pending->voxel.level + 1,
+                             .kind = kind_by_count(counts[c])};
+        uint32_t* references = malloc(sizeof(uint32_t) * counts[c]);
+        if (references == NULL)
+        {
+            return false;
+        }
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < pending->count; i++)
+        {
+            if (divider->touched[i] >> c & 1)
+            {
+                references[count++] = pending->references[i];
+            }
+        }
+        if (!reserve((void**)&tree->voxels, &divider->voxel_capacity, (uint64_t)tree->voxel_count + 1, sizeof(LsWorkVoxel)))
+        {
+            free(references);
+            return false;
+        }
+        tree->blocks[block].cells[c] = tree->voxel_count << 4;
+        uint32_t slot = tree->voxel_count++;
+        tree->voxels[slot] = child;
+        Pending next = {.voxel = child, .references = references, .count = count, .parent = block, .slot = slot};
+        if (!push(divider, next))
+        {
+            free(references);
+            return false;
+        }
+    }
+    return true;
+}
+
+// Settles one voxel: whole, divided, or a BVH.
+static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
+{
+    LsSubtree* tree = divider->tree;
+    bool is_grid = pending->slot == LS_NONE;
+    *voxel = pending->voxel;
+    if (pending->count <= LS_MASK_TRIANGLES)
+    {
+        voxel->kind = kind_by_count(pending->count);
+        return is_grid || append_references(divider, voxel, pending->references, pending->count);
+    }
+    uint32_t counts[LS_BLOCK_CELLS];
+    bool memory = true;
+    if (!division_pays(divider, pending, counts, &memory))
+    {
+        return memory && make_bvh(divider, voxel, pending->references, pending->count) &&
+               (is_grid || append_references(divider, voxel, pending->references, pending->count));
+    }
+    uint32_t block = tree->block_count;
+    uint32_t parents_capacity = divider->block_capacity;
+    if (!reserve((void**)&tree->blocks, &divider->block_capacity, (uint64_t)block + 1, sizeof(LsCellBlock)) ||
+        !reserve((void**)&tree->parents, &parents_capacity, (uint64_t)block + 1, sizeof(uint32_t)))
+    {
+        return false;
+    }
+    tree->block_count++;
+    tree->parents[block] = pending->parent;
+    voxel->kind = LS_VOXEL_SUBGRID;
+    voxel->table = block;
+    voxel->first_reference = tree->reference_count;
+    voxel->reference_count = 0;
+    return make_children(divider, pending, block, counts);
+}
+
+bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh, const LsGridFrame* frame,
+                       uint32_t* references)
+{
+    *tree = (LsSubtree){0};
+    if (voxel->reference_count <= LS_MASK_TRIANGLES)
+    {
+        voxel->kind = kind_by_count(voxel->reference_count);
+        return true;
+    }
+    Divider divider = {.tree = tree, .mesh = mesh, .frame = frame, .grow = frame->bound * (1.0 + 1e-6)};
+    Pending root = {.voxel = *voxel,
+                    .references = references,
+                    .count = voxel->reference_count,
+                    .parent = LS_NONE,
+                    .slot = LS_NONE};
+    bool ok = settle(&divider, &root, voxel);
+    for (uint32_t i = 0; i < divider.queue_count; i++)
+    {
+        Pending pending = divider.queue[i];
+        LsWorkVoxel settled = pending.voxel;
+        ok = ok && settle(&divider, &pending, &settled);
+        if (ok)
+        {
+            tree->voxels[pending.slot] = settled;
+        }
+        free(pending.references);
+    }
+    free(divider.queue);
+    free(divider.touched);
+    return ok;
+}
+
+void ls_subtree_destroy(LsSubtree* tree)
+{
+    free(tree->blocks);
+    free(tree->parents);
+    free(tree->voxels);
+    free(tree->references);
+    free(tree->leaf_nodes);
+    *tree = (LsSubtree){0};
+}

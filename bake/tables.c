@@ -1,0 +1,124 @@
+// tables.c - runs the shaft test over all voxels and packs the masks.
+
+#include "tables.h"
+
+#include "linespace.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+uint32_t ls_mask_width_log2(uint32_t count)
+{
+    return count <= 4 ? 2 : (count <= 8 ? 3 : (count <= 16 ? 4 : 5));
+}
+
+static uint64_t table_words(uint32_t patches, uint32_t count)
+{
+    return (((uint64_t)LS_SHAFT_COUNT(patches) << ls_mask_width_log2(count)) + 31) / 32;
+}
+
+static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel, const LsTriangle* triangle,
+                             double corners[3][3])
+{
+    double scale = (double)(1u << (2 * voxel->level));
+    ls_grid_point(&voxels->frame, triangle->v0, corners[0]);
+    ls_grid_point(&voxels->frame, triangle->v1, corners[1]);
+    ls_grid_point(&voxels->frame, triangle->v2, corners[2]);
+    for (int k = 0; k < 9; k++)
+    {
+        corners[k / 3][k % 3] = corners[k / 3][k % 3] * scale - voxel->cell[k % 3];
+    }
+}
+
+// Packs masks of 32 bits a shaft into 2^width_log2 bits. Returns the number of masks that are not 0.
+static uint32_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width_log2, uint32_t* words)
+{
+    uint32_t per_word_log2 = 5 - width_log2;
+    uint32_t filled = 0;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        filled += masks[i] != 0;
+        words[i >> per_word_log2] |= masks[i] << ((i << width_log2) & 31);
+    }
+    return filled;
+}
+
+static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patches, LsError* error)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < voxels->voxel_count; i++)
+    {
+        LsWorkVoxel* voxel = &voxels->voxels[i];
+        if (voxel->kind == LS_VOXEL_MASKS)
+        {
+            voxel->table = (uint32_t)sum;
+            sum += table_words(patches, voxel->reference_count);
+            tables->shaft_count += LS_SHAFT_COUNT(patches);
+        }
+    }
+    if (sum > UINT32_MAX)
+    {
+        return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+                            "the shaft tables of an object need %llu MiB, more than the format holds; use fewer --patches",
+                            (unsigned long long)(sum >> 18));
+    }
+    tables->word_count = (uint32_t)sum;
+    tables->words = calloc(sum + 1, sizeof(uint32_t));
+    return tables->words != NULL ? LS_OK
+                                 : ls_error_set(error, LS_ERROR_MEMORY,
+                                                "out of memory for %llu MiB of shaft tables; use fewer --patches",
+                                                (unsigned long long)(sum >> 18));
+}
+
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches, uint32_t threads,
+                          LsError* error)
+{
+    *tables = (LsTables){0};
+    LsResult result = place_tables(tables, voxels, patches, error);
+    uint64_t filled = 0;
+    bool ok = result == LS_OK;
+    uint32_t shafts = LS_SHAFT_COUNT(patches);
+#pragma omp parallel num_threads(threads) reduction(+ : filled) reduction(&& : ok)
+    {
+        LsShaftScratch* scratch = ls_shaft_scratch_create();
+        uint32_t* masks = malloc(sizeof(uint32_t) * shafts);
+        ok = ok && scratch != NULL && masks != NULL;
+#pragma omp for schedule(dynamic, 32)
+        for (uint32_t i = 0; i < voxels->voxel_count; i++)
+        {
+            const LsWorkVoxel* voxel = &voxels->voxels[i];
+            if (!ok || voxel->kind != LS_VOXEL_MASKS)
+            {
+                continue;
+            }
+            memset(masks, 0, sizeof(uint32_t) * shafts);
+            double bound = (double)voxels->frame.bound * (double)(1u << (2 * voxel->level));
+            for (uint32_t k = 0; k < voxel->reference_count; k++)
+            {
+                double corners[3][3];
+                uint32_t reference = voxels->references[voxel->first_reference + k];
+                corners_in_voxel(voxels, voxel, &mesh->triangles[reference], corners);
+                ls_shafts_mark((const double(*)[3])corners, bound, patches, 1u << k, masks, scratch);
+            }
+            filled += pack_masks(masks, shafts, ls_mask_width_log2(voxel->reference_count), tables->words + voxel->table);
+        }
+        free(masks);
+        ls_shaft_scratch_destroy(scratch);
+    }
+    tables->filled_count = filled;
+    if (result == LS_OK && !ok)
+    {
+        result = ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the shaft test");
+    }
+    if (result != LS_OK)
+    {
+        ls_tables_destroy(tables);
+    }
+    return result;
+}
+
+void ls_tables_destroy(LsTables* tables)
+{
+    free(tables->words);
+    *tables = (LsTables){0};
+}

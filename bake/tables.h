@@ -1,0 +1,26 @@
+// tables.h - the shaft tables of an object: a mask per shaft for every voxel that is worth one.
+
+#ifndef LS_TABLES_H
+#define LS_TABLES_H
+
+#include "voxels.h"
+
+// Owns its array.
+typedef struct LsTables
+{
+    uint32_t* words; // all tables, voxel after voxel
+    uint32_t word_count;
+    uint64_t shaft_count;  // in all tables
+    uint64_t filled_count; // shafts whose mask is not 0
+} LsTables;
+
+// log2 of the bits per shaft, 2..5, for a voxel of `count` triangles.
+uint32_t ls_mask_width_log2(uint32_t count);
+
+// Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend on `threads`.
+// Errors: MEMORY, INPUT_LIMIT.
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches, uint32_t threads,
+                          LsError* error);
+void ls_tables_destroy(LsTables* tables);
+
+#endif

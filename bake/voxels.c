@@ -1,0 +1,650 @@
+// voxels.c - count, prefix sum, fill; then sub-grids, distances, order.
+
+#include "voxels.h"
+
+#include "bvh.h"
+#include "distances.h"
+#include "subdivide.h"
+#include "overlap.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define MAX_LINKS (1u << 28) // an index has 28 bits
+
+LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid)
+{
+    LsGridFrame frame = {0};
+    double bound = grid * 0x1p-18;
+    double longest = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        longest = fmax(longest, (double)mesh->upper[axis] - mesh->lower[axis]);
+    }
+    // Margins of 4 e, generously rounded outward; float may push the lower corner out by much more where
+    // the mesh lies far from its origin.
+    double margin = 4.0 * bound / grid * longest * 1.01;
+    double span = 0.0;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        frame.lower[axis] = ls_float_below(mesh->lower[axis] - margin);
+        span = fmax(span, mesh->upper[axis] - (double)frame.lower[axis]);
+    }
+    frame.inverse_cell = ls_float_below((grid - 4.0 * bound) / span);
+    frame.bound = ls_float_above(bound);
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double top = (mesh->upper[axis] - (double)frame.lower[axis]) * frame.inverse_cell + 3.0 * bound;
+        uint32_t cells = (uint32_t)top + 1;
+        frame.cells[axis] = cells < grid ? cells : grid;
+    }
+    // A sub-cell stays 16 e wide at least, and its planes exact in float.
+    double width = 1.0;
+    while (frame.depth < LS_MAX_DEPTH && width / 4.0 >= 16.0 * bound && grid / width * 4.0 < 0x1p22)
+    {
+        width /= 4.0;
+        frame.depth++;
+    }
+    return frame;
+}
+
+void ls_grid_point(const LsGridFrame* frame, LsVec3 point, double out[3])
+{
+    out[0] = ((double)point.x - frame->lower[0]) * frame->inverse_cell;
+    out[1] = ((double)point.y - frame->lower[1]) * frame->inverse_cell;
+    out[2] = ((double)point.z - frame->lower[2]) * frame->inverse_cell;
+}
+
+static LsOverlap prepare_triangle(const LsGridFrame* frame, const LsTriangle* triangle)
+{
+    double corners[3][3];
+    ls_grid_point(frame, triangle->v0, corners[0]);
+    ls_grid_point(frame, triangle->v1, corners[1]);
+    ls_grid_point(frame, triangle->v2, corners[2]);
+    return ls_overlap_prepare(corners);
+}
+
+// Visits the cells of a level that a triangle touches, each grown by e.
+typedef struct Visit
+{
+    const LsOverlap* triangle;
+    double size; // of a cell, in cells of the grid
+    double grow;
+    void (*cell)(struct Visit* visit, uint32_t x, uint32_t y, uint32_t z);
+    struct Build* build;
+    uint32_t triangle_index;
+} Visit;
+
+static bool range_touches(const Visit* visit, const int low[3], const int high[3])
+{
+    double centre[3], half[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        centre[axis] = 0.5 * (low[axis] + high[axis]) * visit->size;
+        half[axis] = 0.5 * (high[axis] - low[axis]) * visit->size + visit->grow;
+    }
+    return ls_overlap_box(visit->triangle, centre, half);
+}
+
+// Halves the range [low, high) along its longest side until single cells remain, so that the work
+// follows the triangle's area and not its bounding box.
+static void visit_range(Visit* visit, const int low[3], const int high[3])
+{
+    int longest = 0;
+    for (int axis = 1; axis < 3; axis++)
+    {
+        longest = high[axis] - low[axis] > high[longest] - low[longest] ? axis : longest;
+    }
+    if (!range_touches(visit, low, high))
+    {
+        return;
+    }
+    if (high[longest] - low[longest] == 1)
+    {
+        visit->cell(visit, (uint32_t)low[0], (uint32_t)low[1], (uint32_t)low[2]);
+        return;
+    }
+    int middle = (low[longest] + high[longest]) / 2;
+    int low_end[3] = {high[0], high[1], high[2]}, high_begin[3] = {low[0], low[1], low[2]};
+    low_end[longest] = middle;
+    high_begin[longest] = middle;
+    visit_range(visit, low, low_end);
+    visit_range(visit, high_begin, high);
+}
+
+static void visit_triangle(Visit* visit, const uint32_t limits[3])
+{
+    int low[3], high[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        double begin = floor((visit->triangle->lower[axis] - visit->grow) / visit->size);
+        double end = floor((visit->triangle->upper[axis] + visit->grow) / visit->size) + 1.0;
+        low[axis] = begin > 0.0 ? (int)begin : 0;
+        high[axis] = end < limits[axis] ? (int)end : (int)limits[axis];
+    }
+    visit_range(visit, low, high);
+}
+
+// The work of one voxelization.
+typedef struct Build
+{
+    LsVoxels* out;
+    LsMesh* mesh;
+    uint32_t threads;
+    double grow;
+    uint32_t blocks[3];      // blocks per axis
+    uint32_t* block_links;   // cell block of a block, LS_NONE where empty
+    uint32_t grid_blocks;    // cell blocks of the grid itself
+    uint32_t* counts;        // references per cell of the cell blocks, then fill positions
+    uint32_t* first;         // first reference per cell
+    uint64_t grid_references;
+    uint32_t* references; // of the grid's voxels, before subdivision
+    LsSubtree* subtrees;  // of the grid's voxels, in their order
+    uint32_t subtree_count;
+} Build;
+
+static uint32_t block_index(const Build* build, uint32_t x, uint32_t y, uint32_t z)
+{
+    return x + build->blocks[0] * (y + build->blocks[1] * z);
+}
+
+static void mark_block(Visit* visit, uint32_t x, uint32_t y, uint32_t z)
+{
+    uint32_t* link = &visit->build->block_links[block_index(visit->build, x, y, z)];
+#pragma omp atomic write
+    *link = 0;
+}
+
+static uint32_t cell_slot(const Build* build, uint32_t x, uint32_t y, uint32_t z)
+{
+    uint32_t block = build->block_links[block_index(build, x >> 2, y >> 2, z >> 2)];
+    return block * LS_BLOCK_CELLS + (x & 3) + 4 * (y & 3) + 16 * (z & 3);
+}
+
+static void count_cell(Visit* visit, uint32_t x, uint32_t y, uint32_t z)
+{
+    uint32_t* count = &visit->build->counts[cell_slot(visit->build, x, y, z)];
+#pragma omp atomic
+    (*count)++;
+}
+
+static void fill_cell(Visit* visit, uint32_t x, uint32_t y, uint32_t z)
+{
+    Build* build = visit->build;
+    uint32_t* position = &build->counts[cell_slot(build, x, y, z)];
+    uint32_t at;
+#pragma omp atomic capture
+    at = (*position)++;
+    build->references[at] = visit->triangle_index;
+}
+
+static void visit_all(Build* build, double size, const uint32_t limits[3],
+                      void (*cell)(Visit*, uint32_t, uint32_t, uint32_t))
+{
+    const LsMesh* mesh = build->mesh;
+#pragma omp parallel for schedule(dynamic, 64) num_threads(build->threads)
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    {
+        LsOverlap triangle = prepare_triangle(&build->out->frame, &mesh->triangles[i]);
+        Visit visit = {.triangle = &triangle,
+                       .size = size,
+                       .grow = build->grow,
+                       .cell = cell,
+                       .build = build,
+                       .triangle_index = i};
+        visit_triangle(&visit, limits);
+    }
+}
+
+static int compare_words(const void* a, const void* b)
+{
+    uint32_t x = *(const uint32_t*)a, y = *(const uint32_t*)b;
+    return (x > y) - (x < y);
+}
+
+// Insertion for the usual short lists.
+static void sort_words(uint32_t* words, uint32_t count)
+{
+    if (count > 64)
+    {
+        qsort(words, count, sizeof *words, compare_words);
+        return;
+    }
+    for (uint32_t i = 1; i < count; i++)
+    {
+        uint32_t word = words[i];
+        uint32_t j = i;
+        for (; j > 0 && words[j - 1] > word; j--)
+        {
+            words[j] = words[j - 1];
+        }
+        words[j] = word;
+    }
+}
+
+static LsResult report_memory(LsError* error)
+{
+    return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the voxels; use a coarser --grid");
+}
+
+static LsResult report_limit(LsError* error, const char* what)
+{
+    return ls_error_set(error, LS_ERROR_INPUT_LIMIT, "an object has more %s than the format counts; use a coarser --grid",
+                        what);
+}
+
+// Finds the blocks that hold anything and numbers them in order.
+static LsResult find_blocks(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    uint64_t count = 1;
+    for (int axis = 0; axis < 3; axis++)
+    {
+        build->blocks[axis] = (out->frame.cells[axis] + 3) / 4;
+        count *= build->blocks[axis];
+    }
+    out->block_count = (uint32_t)count;
+    out->blocks = malloc(sizeof(uint32_t) * count);
+    build->block_links = malloc(sizeof(uint32_t) * count);
+    if (out->blocks == NULL || build->block_links == NULL)
+    {
+        return report_memory(error);
+    }
+    memset(build->block_links, 0xFF, sizeof(uint32_t) * count);
+    visit_all(build, LS_BLOCK_SIDE, build->blocks, mark_block);
+    for (uint64_t i = 0; i < count; i++)
+    {
+        if (build->block_links[i] != LS_NONE)
+        {
+            build->block_links[i] = build->grid_blocks++;
+        }
+    }
+    // Cell slots must fit 32 bits as well.
+    return build->grid_blocks < (1u << 26) ? LS_OK : report_limit(error, "filled blocks");
+}
+
+// Counts, sums and fills the references of the grid's cells.
+static LsResult fill_cells(Build* build, LsError* error)
+{
+    size_t slots = (size_t)build->grid_blocks * LS_BLOCK_CELLS;
+    const uint32_t* cells = build->out->frame.cells;
+    build->counts = calloc(slots, sizeof(uint32_t));
+    build->first = malloc((slots + 1) * sizeof(uint32_t));
+    if (build->counts == NULL || build->first == NULL)
+    {
+        return report_memory(error);
+    }
+    visit_all(build, 1.0, cells, count_cell);
+    uint64_t sum = 0;
+    for (size_t i = 0; i < slots; i++)
+    {
+        build->first[i] = (uint32_t)sum;
+        sum += build->counts[i];
+        if (sum > UINT32_MAX)
+        {
+            return report_limit(error, "references");
+        }
+        build->counts[i] = build->first[i];
+    }
+    build->first[slots] = (uint32_t)sum;
+    build->grid_references = sum;
+    build->references = malloc((sum + 1) * sizeof(uint32_t));
+    if (build->references == NULL)
+    {
+        return report_memory(error);
+    }
+    visit_all(build, 1.0, cells, fill_cell);
+    return LS_OK;
+}
+
+// Places the grid's voxels in the order of their cells.
+static LsResult list_grid_voxels(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    size_t slots = (size_t)build->grid_blocks * LS_BLOCK_CELLS;
+    for (size_t i = 0; i < slots; i++)
+    {
+        out->voxel_count += build->first[i + 1] > build->first[i];
+    }
+    if (out->voxel_count >= MAX_LINKS)
+    {
+        return report_limit(error, "voxels");
+    }
+    out->voxels = calloc(out->voxel_count + 1, sizeof(LsWorkVoxel));
+    build->subtrees = calloc(out->voxel_count + 1, sizeof(LsSubtree));
+    if (out->voxels == NULL || build->subtrees == NULL)
+    {
+        return report_memory(error);
+    }
+    build->subtree_count = out->voxel_count;
+    uint32_t voxel = 0;
+    for (uint32_t z = 0; z < build->blocks[2]; z++)
+    {
+        for (uint32_t y = 0; y < build->blocks[1]; y++)
+        {
+            for (uint32_t x = 0; x < build->blocks[0]; x++)
+            {
+                uint32_t block = build->block_links[block_index(build, x, y, z)];
+                if (block == LS_NONE)
+                {
+                    continue;
+                }
+                for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+                {
+                    size_t slot = (size_t)block * LS_BLOCK_CELLS + c;
+                    if (build->first[slot + 1] == build->first[slot])
+                    {
+                        continue;
+                    }
+                    out->voxels[voxel++] = (LsWorkVoxel){
+                        .cell = {4 * x + (c & 3), 4 * y + (c >> 2 & 3), 4 * z + (c >> 4)},
+                        .first_reference = build->first[slot],
+                        .reference_count = build->first[slot + 1] - build->first[slot]};
+                }
+            }
+        }
+    }
+    return LS_OK;
+}
+
+// Sorts each voxel's list, so that the order of filling is forgotten, and divides the crowded ones.
+static LsResult divide_voxels(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    bool ok = true;
+#pragma omp parallel for schedule(dynamic, 16) num_threads(build->threads) reduction(&& : ok)
+    for (uint32_t i = 0; i < out->voxel_count; i++)
+    {
+        LsWorkVoxel* voxel = &out->voxels[i];
+        uint32_t* references = build->references + voxel->first_reference;
+        sort_words(references, voxel->reference_count);
+        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, references);
+    }
+    return ok ? LS_OK : report_memory(error);
+}
+
+// Puts the grid's voxels and the sub-grids behind them into one set of arrays.
+static LsResult join_subtrees(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    uint32_t grid_voxels = out->voxel_count;
+    uint64_t blocks = build->grid_blocks, voxels = grid_voxels, references = 0, leaf_nodes = 0, subgrids = 0;
+    for (uint32_t i = 0; i < grid_voxels; i++)
+    {
+        const LsSubtree* tree = &build->subtrees[i];
+        subgrids += tree->block_count;
+        voxels += tree->voxel_count;
+        references += tree->reference_count + out->voxels[i].reference_count;
+        leaf_nodes += tree->leaf_node_count;
+    }
+    blocks += subgrids;
+    if (blocks >= MAX_LINKS || voxels >= MAX_LINKS || references > UINT32_MAX || leaf_nodes > UINT32_MAX)
+    {
+        return report_limit(error, "voxels");
+    }
+    out->cell_block_count = (uint32_t)blocks;
+    out->subgrid_count = (uint32_t)subgrids;
+    out->leaf_node_count = (uint32_t)leaf_nodes;
+    out->cell_blocks = calloc(blocks + 1, sizeof(LsCellBlock));
+    out->subgrids = malloc((subgrids + 1) * sizeof(uint32_t));
+    out->references = malloc((references + 1) * sizeof(uint32_t));
+    out->leaf_nodes = malloc((leaf_nodes + 1) * sizeof(LsBvhNode));
+    LsWorkVoxel* all = realloc(out->voxels, (voxels + 1) * sizeof(LsWorkVoxel));
+    out->voxels = all != NULL ? all : out->voxels;
+    if (out->cell_blocks == NULL || out->subgrids == NULL || out->references == NULL || out->leaf_nodes == NULL ||
+        all == NULL)
+    {
+        return report_memory(error);
+    }
+
+    // The grid's own voxels: their links, references and BVHs.
+    uint32_t leaf_node = 0;
+    for (uint32_t i = 0; i < grid_voxels; i++)
+    {
+        LsWorkVoxel* voxel = &out->voxels[i];
+        const LsSubtree* tree = &build->subtrees[i];
+        const uint32_t* cell = voxel->cell;
+        uint32_t slot = cell_slot(build, cell[0], cell[1], cell[2]);
+        out->cell_blocks[slot / LS_BLOCK_CELLS].cells[slot % LS_BLOCK_CELLS] = i << 4;
+        memcpy(out->references + out->reference_count, build->references + voxel->first_reference,
+               sizeof(uint32_t) * voxel->reference_count);
+        voxel->first_reference = out->reference_count;
+        out->reference_count += voxel->reference_count;
+        if (voxel->kind == LS_VOXEL_BVH)
+        {
+            voxel->table = leaf_node;
+            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+            leaf_node += tree->leaf_node_count;
+        }
+    }
+
+    // Sub-grids, each tree's blocks and voxels behind those before.
+    uint32_t block = build->grid_blocks;
+    out->voxel_count = grid_voxels;
+    for (uint32_t i = 0; i < grid_voxels; i++)
+    {
+        LsSubtree* tree = &build->subtrees[i];
+        if (out->voxels[i].kind != LS_VOXEL_SUBGRID)
+        {
+            continue;
+        }
+        const uint32_t* cell = out->voxels[i].cell;
+        uint32_t parent = cell_slot(build, cell[0], cell[1], cell[2]) / LS_BLOCK_CELLS;
+        out->voxels[i].table = block;
+        for (uint32_t b = 0; b < tree->block_count; b++)
+        {
+            LsCellBlock* words = &out->cell_blocks[block + b];
+            *words = tree->blocks[b];
+            for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+            {
+                bool link = (words->cells[c] & 15) == 0;
+                words->cells[c] += link ? out->voxel_count << 4 : 0;
+            }
+            uint32_t above = tree->parents[b];
+            out->subgrids[block + b - build->grid_blocks] = above == LS_NONE ? parent : block + above;
+        }
+        for (uint32_t v = 0; v < tree->voxel_count; v++)
+        {
+            LsWorkVoxel voxel = tree->voxels[v];
+            voxel.first_reference += out->reference_count;
+            voxel.table += voxel.kind == LS_VOXEL_SUBGRID ? block : (voxel.kind == LS_VOXEL_BVH ? leaf_node : 0);
+            out->depth = voxel.level > out->depth ? voxel.level : out->depth;
+            out->voxels[out->voxel_count + v] = voxel;
+        }
+        memcpy(out->references + out->reference_count, tree->references, sizeof(uint32_t) * tree->reference_count);
+        memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+        block += tree->block_count;
+        out->voxel_count += tree->voxel_count;
+        out->reference_count += tree->reference_count;
+        leaf_node += tree->leaf_node_count;
+    }
+    return LS_OK;
+}
+
+static void read_block_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
+{
+    const Build* build = user;
+    const uint32_t* links = build->block_links + block_index(build, 0, y, z);
+    for (uint32_t x = 0; x < build->blocks[0]; x++)
+    {
+        filled[x] = links[x] != LS_NONE;
+    }
+}
+
+static void store_block_row(void* user, uint32_t y, uint32_t z, uint32_t octant, const uint8_t* distances)
+{
+    const Build* build = user;
+    uint32_t* words = build->out->blocks + block_index(build, 0, y, z);
+    for (uint32_t x = 0; x < build->blocks[0]; x++)
+    {
+        uint32_t nibble = (uint32_t)distances[x] << (4 * octant);
+#pragma omp atomic
+        words[x] |= nibble;
+    }
+}
+
+static void read_cell_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
+{
+    const Build* build = user;
+    const uint32_t* links = build->block_links + block_index(build, 0, y >> 2, z >> 2);
+    uint32_t nx = build->out->frame.cells[0];
+    for (uint32_t x = 0; x < nx; x += 4)
+    {
+        uint32_t link = links[x >> 2];
+        const uint32_t* first =
+            link == LS_NONE ? NULL : build->first + (size_t)link * LS_BLOCK_CELLS + 4 * (y & 3) + 16 * (z & 3);
+        for (uint32_t i = 0; i < 4 && x + i < nx; i++)
+        {
+            filled[x + i] = first != NULL && first[i + 1] > first[i];
+        }
+    }
+}
+
+static void store_cell_row(void* user, uint32_t y, uint32_t z, uint32_t octant, const uint8_t* distances)
+{
+    const Build* build = user;
+    const uint32_t* links = build->block_links + block_index(build, 0, y >> 2, z >> 2);
+    uint32_t nx = build->out->frame.cells[0];
+    for (uint32_t x = 0; x < nx; x += 4)
+    {
+        if (links[x >> 2] == LS_NONE)
+        {
+            continue;
+        }
+        uint32_t* words = build->out->cell_blocks[links[x >> 2]].cells + 4 * (y & 3) + 16 * (z & 3);
+        for (uint32_t i = 0; i < 4 && x + i < nx; i++)
+        {
+            uint32_t nibble = (uint32_t)distances[x + i] << (4 * octant);
+#pragma omp atomic
+            words[i] |= nibble;
+        }
+    }
+}
+
+// Words of the block table, and distances of all empty cells and blocks.
+static LsResult fill_distances(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    const uint32_t* cells = out->frame.cells;
+    for (uint32_t i = 0; i < out->block_count; i++)
+    {
+        uint32_t link = build->block_links[i];
+        out->blocks[i] = link == LS_NONE ? 0 : link << 4;
+    }
+    LsDistanceGrid block_grid = {.size = {build->blocks[0], build->blocks[1], build->blocks[2]},
+                                 .read_row = read_block_row,
+                                 .store_row = store_block_row,
+                                 .user = build};
+    LsDistanceGrid cell_grid = {.size = {cells[0], cells[1], cells[2]},
+                                .read_row = read_cell_row,
+                                .store_row = store_cell_row,
+                                .user = build};
+    if (!ls_octant_distances(&block_grid, build->threads) || !ls_octant_distances(&cell_grid, build->threads))
+    {
+        return report_memory(error);
+    }
+    // What of a border block lies outside the grid is empty; no ray asks how far.
+    for (uint32_t i = 0; i < out->block_count; i++)
+    {
+        uint32_t link = build->block_links[i];
+        if (link == LS_NONE)
+        {
+            continue;
+        }
+        uint32_t x = i % build->blocks[0], y = i / build->blocks[0] % build->blocks[1];
+        uint32_t z = i / build->blocks[0] / build->blocks[1];
+        for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+        {
+            if (4 * x + (c & 3) >= cells[0] || 4 * y + (c >> 2 & 3) >= cells[1] || 4 * z + (c >> 4) >= cells[2])
+            {
+                out->cell_blocks[link].cells[c] = 0x11111111u;
+            }
+        }
+    }
+    return LS_OK;
+}
+
+// Renumbers triangles in the order in which voxels first name them, so that what is tested together lies together.
+static LsResult order_triangles(Build* build, LsError* error)
+{
+    LsVoxels* out = build->out;
+    LsMesh* mesh = build->mesh;
+    uint32_t* renumbered = malloc(sizeof(uint32_t) * mesh->triangle_count);
+    LsTriangle* triangles = malloc(sizeof(LsTriangle) * (size_t)mesh->triangle_count);
+    if (renumbered == NULL || triangles == NULL)
+    {
+        free(renumbered);
+        free(triangles);
+        return report_memory(error);
+    }
+    memset(renumbered, 0xFF, sizeof(uint32_t) * mesh->triangle_count);
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < out->reference_count; i++)
+    {
+        uint32_t* reference = &out->references[i];
+        if (renumbered[*reference] == LS_NONE)
+        {
+            triangles[next] = mesh->triangles[*reference];
+            renumbered[*reference] = next++;
+        }
+        *reference = renumbered[*reference];
+    }
+    free(renumbered);
+    free(mesh->triangles);
+    mesh->triangles = triangles;
+#pragma omp parallel for schedule(static) num_threads(build->threads)
+    for (uint32_t i = 0; i < out->voxel_count; i++)
+    {
+        const LsWorkVoxel* voxel = &out->voxels[i];
+        if (voxel->kind == LS_VOXEL_LIST || voxel->kind == LS_VOXEL_MASKS)
+        {
+            sort_words(out->references + voxel->first_reference, voxel->reference_count);
+        }
+    }
+    return LS_OK;
+}
+
+static LsResult run(Build* build, LsError* error)
+{
+    LsResult result = find_blocks(build, error);
+    result = result == LS_OK ? fill_cells(build, error) : result;
+    result = result == LS_OK ? list_grid_voxels(build, error) : result;
+    result = result == LS_OK ? divide_voxels(build, error) : result;
+    result = result == LS_OK ? join_subtrees(build, error) : result;
+    result = result == LS_OK ? fill_distances(build, error) : result;
+    return result == LS_OK ? order_triangles(build, error) : result;
+}
+
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame, uint32_t threads, LsError* error)
+{
+    *voxels = (LsVoxels){.frame = *frame};
+    // The slack keeps the rounding of double on the safe side of e.
+    Build build = {.out = voxels, .mesh = mesh, .threads = threads, .grow = frame->bound * (1.0 + 1e-6)};
+    LsResult result = run(&build, error);
+    for (uint32_t i = 0; i < build.subtree_count; i++)
+    {
+        ls_subtree_destroy(&build.subtrees[i]);
+    }
+    free(build.block_links);
+    free(build.counts);
+    free(build.first);
+    free(build.references);
+    free(build.subtrees);
+    if (result != LS_OK)
+    {
+        ls_voxels_destroy(voxels);
+    }
+    return result;
+}
+
+void ls_voxels_destroy(LsVoxels* voxels)
+{
+    free(voxels->blocks);
+    free(voxels->cell_blocks);
+    free(voxels->subgrids);
+    free(voxels->voxels);
+    free(voxels->references);
+    free(voxels->leaf_nodes);
+    *voxels = (LsVoxels){0};
+}

@@ -1,0 +1,28 @@
+// world.h - the scene around the objects: instances with their transforms, the top level over them, lights.
+
+#ifndef LS_WORLD_H
+#define LS_WORLD_H
+
+#include "mesh.h"
+
+// Owns its arrays.
+typedef struct LsWorld
+{
+    LsInstance* instances;
+    uint32_t instance_count;
+    LsBvhNode* top_nodes; // none if the only instance is the identity
+    uint32_t top_node_count;
+    LsLight* lights;
+    uint32_t light_count;
+    float lower[3]; // bounds of everything
+    float upper[3];
+    float transform_bound; // SPEC 7.3
+    double max_condition;  // infinity norm condition number of the worst transform
+} LsWorld;
+
+// meshes: one per input mesh, same numbers. Triangles must have their final order, since lights name them.
+// Errors: INPUT_TRANSFORM (not invertible, or a condition number above 1e6), MEMORY.
+LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes, LsError* error);
+void ls_world_destroy(LsWorld* world);
+
+#endif

@@ -1,0 +1,55 @@
+// base.c - result texts, exit codes and the filling of an LsError.
+
+#include "ls_base.h"
+
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdio.h>
+
+LsResult ls_error_set(LsError* error, LsResult result, const char* format, ...)
+{
+    if (error != NULL)
+    {
+        error->result = result;
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(error->text, sizeof(error->text), format, arguments);
+        va_end(arguments);
+    }
+    return result;
+}
+
+const char* ls_result_text(LsResult result)
+{
+    switch (result)
+    {
+#define LS_RESULT_CASE(name, number, text) \
+    case LS_##name:                        \
+        return text;
+        LS_RESULT_LIST(LS_RESULT_CASE)
+#undef LS_RESULT_CASE
+    }
+    return "unknown result";
+}
+
+LsExit ls_result_exit_code(LsResult result)
+{
+    switch (result / 10)
+    {
+    case 0:
+        return LS_EXIT_OK;
+    case 1:
+        return LS_EXIT_USAGE;
+    case 2:
+    case 3:
+        return LS_EXIT_INPUT;
+    case 4:
+        return LS_EXIT_OUTPUT;
+    case 5:
+        return LS_EXIT_LSPACE;
+    case 6:
+        return LS_EXIT_DEVICE;
+    default:
+        return LS_EXIT_MEMORY;
+    }
+}

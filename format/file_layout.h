@@ -1,0 +1,56 @@
+// file_layout.h - what the writer derives and the reader verifies: magic, places, features.
+
+#ifndef LS_FILE_LAYOUT_H
+#define LS_FILE_LAYOUT_H
+
+#include "ls_format.h"
+
+// "«lspace 01»", then bytes that a transfer in text mode would change.
+static const uint8_t LS_MAGIC[LS_MAGIC_BYTES] = {0xAB, 0x6C, 0x73, 0x70, 0x61, 0x63, 0x65, 0x20,
+                                                 0x30, 0x31, 0xBB, 0x0D, 0x0A, 0x1A, 0x0A, 0x00};
+
+// Where a chunk of `bytes` begins whose predecessor, or the directory, ends at `end` (R3.6).
+static inline uint64_t place_chunk(uint64_t end, uint64_t bytes)
+{
+    const uint64_t alignment =
+        bytes < LS_LARGE_CHUNK_BYTES ? LS_CHUNK_ALIGNMENT : LS_LARGE_CHUNK_ALIGNMENT;
+    return (end + alignment - 1) / alignment * alignment;
+}
+
+// Flags of the entry of a known chunk (R3.2).
+static inline uint32_t chunk_flags(LsChunk chunk)
+{
+    const bool optional =
+        chunk == LS_CHUNK_NODES || chunk == LS_CHUNK_LIGHTS || chunk == LS_CHUNK_CAMERAS;
+    return optional ? 0 : LS_ENTRY_REQUIRED;
+}
+
+// Required features (R2.14). `counts` as in the header.
+static inline uint64_t derive_required_features(const LsObject* objects,
+                                                const LsInstance* instances, const uint32_t* counts)
+{
+    uint64_t features = 0;
+    if (counts[LS_CHUNK_INSTANCES] > 1 ||
+        (counts[LS_CHUNK_INSTANCES] == 1 && (instances[0].flags & LS_INSTANCE_IDENTITY) == 0))
+    {
+        features |= LS_FEATURE_TOP_LEVEL;
+    }
+    for (uint32_t i = 0; i < counts[LS_CHUNK_OBJECTS]; ++i)
+    {
+        features |= objects[i].kind == LS_OBJECT_LIST ? LS_FEATURE_LISTS : LS_FEATURE_GRIDS;
+    }
+    features |= counts[LS_CHUNK_SUBGRIDS] > 0 ? LS_FEATURE_SUBGRIDS : 0;
+    features |= counts[LS_CHUNK_LEAF_NODES] > 0 ? LS_FEATURE_LEAF_BVHS : 0;
+    features |= counts[LS_CHUNK_SHAFTS] > 0 ? LS_FEATURE_MASKS : 0;
+    return features;
+}
+
+// Optional features (R2.15).
+static inline uint64_t derive_optional_features(const uint32_t* counts)
+{
+    return (counts[LS_CHUNK_LIGHTS] > 0 ? LS_FEATURE_LIGHTS : 0) |
+           (counts[LS_CHUNK_CAMERAS] > 0 ? LS_FEATURE_CAMERAS : 0) |
+           (counts[LS_CHUNK_NODES] > 0 ? LS_FEATURE_NODES : 0);
+}
+
+#endif

@@ -1,0 +1,464 @@
+// lstrace.c - a file of rays in, a file of hits out.
+
+#include "app_trace.h"
+#include "out_file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <getopt.h>
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char HELP[] =
+    "Usage: lstrace FILE.lspace --rays RAYS.bin -o HITS.bin [OPTION]...\n"
+    "Traces a file of rays through a baked scene into a file of hits.\n"
+    "\n"
+    "A ray is 8 little-endian floats, 32 bytes: origin, tmin, direction, tmax; in world space, t in units of\n"
+    "the direction. A hit is 32 bytes, one per ray in order: floats t, u, v, then unsigned 32-bit numbers\n"
+    "instance, object, triangle, material, 0. A miss has t = -1 and all four numbers 4294967295.\n"
+    "Either file may be \"-\", standard input or output.\n"
+    "\n"
+    "  --rays FILE       rays to trace\n"
+    "  -o, --output FILE hits to write; whole or not at all\n"
+    "  --any             any hit will do: t is 0, the numbers are those of some hit\n"
+    "  --method METHOD   exact: through the Line Space (default); brute: test all triangles\n"
+    "  --repeat N        trace each batch N times and print median and spread of the GPU's time\n"
+    "  --batch N         rays per batch, 1048576 unless the device's memory allows only fewer\n"
+    "  --device NAME     the device whose name contains NAME, instead of the fastest kind there is\n"
+    "  --quiet           no progress and no summary\n"
+    "  --help, --version\n"
+    "\n"
+    "Exit codes: 0 done, 1 wrong usage, 2 bad rays or missing file, 3 output failed, 4 bad .lspace file,\n"
+    "5 no device or a failing one, 6 out of memory.\n";
+
+enum
+{
+    DEFAULT_BATCH = 1 << 20,
+    SMALLEST_BATCH = 1 << 10, // smaller buffers than for this are not worth another try
+    MAX_REPEATS = 1000,
+};
+
+typedef struct Options
+{
+    const char* scene_path;
+    const char* rays_path;
+    const char* hits_path;
+    const char* device_name;
+    LsMethod method;
+    uint32_t flags;
+    uint32_t repeats; // 0: once, and print no times
+    uint32_t batch;
+    bool quiet;
+} Options;
+
+typedef struct RayFile
+{
+    const char* name;
+    int descriptor;
+    uint64_t ray_count; // UINT64_MAX when it is known only at the end
+} RayFile;
+
+// Everything that lives while rays are traced.
+typedef struct Session
+{
+    LsMapping mapping;
+    LsFile file;
+    RayFile rays;
+    LsOutFile hits;
+    LsAppDevice device;
+    LsContext* context;
+    LsScene* scene;
+    LsAppTracer tracer;
+    uint64_t traced_count;
+    uint64_t hit_count;
+    double seconds[MAX_REPEATS]; // GPU time of each repeat over all batches
+} Session;
+
+// ---- Arguments ----------------------------------------------------------------------------------
+
+static bool parse_count(const char* text, unsigned long limit, uint32_t* count)
+{
+    char* end;
+    errno = 0;
+    unsigned long value = strtoul(text, &end, 10);
+    *count = (uint32_t)value;
+    return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0 && value >= 1 && value <= limit;
+}
+
+static LsExit refuse_usage(const char* problem, const char* argument)
+{
+    fprintf(stderr, "lstrace: %s%s; see lstrace --help\n", problem, argument);
+    return LS_EXIT_USAGE;
+}
+
+// Sets *done when there is nothing left to do: help was asked for, or the exit code is not LS_EXIT_OK.
+static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
+{
+    enum
+    {
+        RAYS = 256,
+        ANY,
+        METHOD,
+        REPEAT,
+        BATCH,
+        DEVICE,
+        QUIET,
+        HELP_WANTED,
+        VERSION
+    };
+    static const struct option names[] = {
+        {"rays", required_argument, NULL, RAYS},     {"output", required_argument, NULL, 'o'},
+        {"any", no_argument, NULL, ANY},             {"method", required_argument, NULL, METHOD},
+        {"repeat", required_argument, NULL, REPEAT}, {"batch", required_argument, NULL, BATCH},
+        {"device", required_argument, NULL, DEVICE}, {"quiet", no_argument, NULL, QUIET},
+        {"help", no_argument, NULL, HELP_WANTED},    {"version", no_argument, NULL, VERSION},
+        {NULL, 0, NULL, 0},
+    };
+    *options = (Options){.method = LS_TRACE_EXACT, .batch = DEFAULT_BATCH};
+    *done = true;
+    for (int option; (option = getopt_long(argc, argv, "o:", names, NULL)) != -1;)
+    {
+        switch (option)
+        {
+        case RAYS:
+            options->rays_path = optarg;
+            break;
+        case 'o':
+            options->hits_path = optarg;
+            break;
+        case ANY:
+            options->flags |= LS_RAY_FLAG_ANY_HIT;
+            break;
+        case METHOD:
+            if (strcmp(optarg, "exact") != 0 && strcmp(optarg, "brute") != 0)
+            {
+                return refuse_usage("--method is exact or brute, not ", optarg);
+            }
+            options->method = optarg[0] == 'e' ? LS_TRACE_EXACT : LS_TRACE_BRUTE;
+            break;
+        case REPEAT:
+            if (!parse_count(optarg, MAX_REPEATS, &options->repeats))
+            {
+                return refuse_usage("--repeat takes a number from 1 to 1000, not ", optarg);
+            }
+            break;
+        case BATCH:
+            if (!parse_count(optarg, 1ul << 26, &options->batch))
+            {
+                return refuse_usage("--batch takes a number from 1 to 67108864, not ", optarg);
+            }
+            break;
+        case DEVICE:
+            options->device_name = optarg;
+            break;
+        case QUIET:
+            options->quiet = true;
+            break;
+        case HELP_WANTED:
+            fputs(HELP, stdout);
+            return LS_EXIT_OK;
+        case VERSION:
+            puts("lstrace " LS_VERSION_TEXT);
+            return LS_EXIT_OK;
+        default: // getopt_long has named it
+            return LS_EXIT_USAGE;
+        }
+    }
+    if (argc - optind != 1)
+    {
+        return refuse_usage("one .lspace file is wanted", "");
+    }
+    options->scene_path = argv[optind];
+    if (!options->rays_path)
+    {
+        return refuse_usage("--rays is missing", "");
+    }
+    if (!options->hits_path)
+    {
+        return refuse_usage("-o is missing", "");
+    }
+    *done = false;
+    return LS_EXIT_OK;
+}
+
+// ---- Rays ---------------------------------------------------------------------------------------
+
+static LsResult report_odd_bytes(const RayFile* rays, uint64_t odd, uint64_t whole, LsError* error)
+{
+    return ls_error_set(error, LS_ERROR_INPUT_FORMAT,
+                        "%s: %" PRIu64 " bytes after the last whole ray (32 bytes each, %" PRIu64
+                        " whole): the file was cut or is no ray file",
+                        rays->name, odd, whole);
+}
+
+static LsResult open_rays(RayFile* rays, const char* path, LsError* error)
+{
+    bool standard_input = strcmp(path, "-") == 0;
+    rays->name = standard_input ? "standard input" : path;
+    rays->descriptor = standard_input ? dup(STDIN_FILENO) : open(path, O_RDONLY | O_CLOEXEC);
+    if (rays->descriptor < 0)
+    {
+        return errno == ENOENT ? ls_error_set(error, LS_ERROR_FILE_MISSING, "%s: there is no such file of rays", path)
+                               : ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", path,
+                                              strerror(errno));
+    }
+    struct stat status;
+    if (fstat(rays->descriptor, &status) != 0)
+    {
+        return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name, strerror(errno));
+    }
+    if (S_ISDIR(status.st_mode))
+    {
+        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY, "%s: is a directory; name a file of rays", rays->name);
+    }
+    rays->ray_count = UINT64_MAX;
+    if (S_ISREG(status.st_mode) && !standard_input)
+    {
+        uint64_t bytes = (uint64_t)status.st_size;
+        rays->ray_count = bytes / sizeof(LsRay);
+        if (bytes % sizeof(LsRay) != 0)
+        {
+            return report_odd_bytes(rays, bytes % sizeof(LsRay), rays->ray_count, error);
+        }
+        if (bytes == 0)
+        {
+            return ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes", rays->name);
+        }
+    }
+    return LS_OK;
+}
+
+// Reads up to `capacity` rays; *count is smaller only at the end.
+static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into, uint32_t capacity, uint32_t* count,
+                          LsError* error)
+{
+    size_t wanted = capacity * sizeof(LsRay);
+    size_t got = 0;
+    while (got < wanted)
+    {
+        ssize_t piece = read(rays->descriptor, (char*)into + got, wanted - got);
+        if (piece < 0 && errno != EINTR)
+        {
+            return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name, strerror(errno));
+        }
+        if (piece == 0)
+        {
+            break;
+        }
+        got += piece > 0 ? (size_t)piece : 0;
+    }
+    *count = (uint32_t)(got / sizeof(LsRay));
+    if (got % sizeof(LsRay) != 0)
+    {
+        return report_odd_bytes(rays, got % sizeof(LsRay), rays_before + *count, error);
+    }
+    return LS_OK;
+}
+
+// ---- Tracing ------------------------------------------------------------------------------------
+
+static LsResult open_scene_file(Session* session, const char* path, LsError* error)
+{
+    LsResult result = ls_mapping_open(&session->mapping, path, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    return ls_file_open(&session->file, session->mapping.bytes, session->mapping.size, path, error);
+}
+
+// As many rays at a time as were asked for, are there, and fit.
+static LsResult create_tracer(Session* session, uint32_t batch, LsError* error)
+{
+    uint64_t capacity = session->device.max_buffer_bytes / LS_APP_TRACER_RAY_BYTES;
+    capacity = batch < capacity ? batch : capacity;
+    capacity = session->rays.ray_count < capacity ? session->rays.ray_count : capacity;
+    for (;;)
+    {
+        LsResult result = ls_app_tracer_create(&session->device, (uint32_t)capacity, &session->tracer, error);
+        if (result != LS_ERROR_DEVICE_MEMORY || capacity / 2 < SMALLEST_BATCH)
+        {
+            return result;
+        }
+        capacity /= 2;
+    }
+}
+
+static LsResult open_session(Session* session, const Options* options, LsError* error)
+{
+    LsResult result = open_scene_file(session, options->scene_path, error);
+    if (result == LS_OK)
+    {
+        result = open_rays(&session->rays, options->rays_path, error);
+    }
+    if (result == LS_OK)
+    {
+        result = ls_out_file_open(&session->hits, options->hits_path, error);
+    }
+    if (result == LS_OK)
+    {
+        LsAppDeviceDesc desc = {.device_name = options->device_name};
+        result = ls_app_device_create(&session->device, &desc, error);
+    }
+    if (result == LS_OK)
+    {
+        LsContextDesc desc = ls_app_context_desc(&session->device);
+        result = ls_context_create(&desc, &session->context, error);
+    }
+    if (result == LS_OK)
+    {
+        result = ls_scene_create(session->context, &session->file, options->scene_path, &session->scene, error);
+    }
+    return result == LS_OK ? create_tracer(session, options->batch, error) : result;
+}
+
+static void close_session(Session* session)
+{
+    if (session->device.device)
+    {
+        ls_app_tracer_destroy(&session->device, &session->tracer);
+        ls_scene_destroy(session->scene);
+        ls_context_destroy(session->context);
+    }
+    ls_app_device_destroy(&session->device);
+    ls_out_file_drop(&session->hits);
+    if (session->rays.name && session->rays.descriptor >= 0)
+    {
+        close(session->rays.descriptor);
+    }
+    ls_mapping_close(&session->mapping);
+}
+
+static LsResult trace_batch(Session* session, const Options* options, uint32_t count, LsError* error)
+{
+    LsAppRun run = {.ray_count = count, .flags = options->flags, .method = options->method};
+    uint32_t repeats = options->repeats ? options->repeats : 1;
+    for (uint32_t i = 0; i < repeats; i++)
+    {
+        double seconds;
+        LsResult result =
+            ls_app_tracer_run(&session->device, &session->tracer, session->scene, &run, &seconds, error);
+        if (result != LS_OK)
+        {
+            return result;
+        }
+        session->seconds[i] += seconds;
+    }
+    for (uint32_t i = 0; i < count; i++)
+    {
+        session->hit_count += session->tracer.hits[i].instance != LS_NONE;
+    }
+    session->traced_count += count;
+    return ls_out_file_write(&session->hits, session->tracer.hits, count * sizeof(LsHit), error);
+}
+
+static void show_progress(const Session* session)
+{
+    if (session->rays.ray_count == UINT64_MAX)
+    {
+        fprintf(stderr, "\rlstrace: %" PRIu64 " rays", session->traced_count);
+    }
+    else
+    {
+        fprintf(stderr, "\rlstrace: %3.0f %% of %" PRIu64 " rays",
+                100.0 * (double)session->traced_count / (double)session->rays.ray_count, session->rays.ray_count);
+    }
+    fflush(stderr);
+}
+
+static LsResult trace_rays(Session* session, const Options* options, LsError* error)
+{
+    bool progress = !options->quiet && isatty(STDERR_FILENO);
+    uint32_t count = 0;
+    LsResult result;
+    do
+    {
+        result = read_rays(&session->rays, session->traced_count, session->tracer.rays, session->tracer.capacity,
+                           &count, error);
+        if (result == LS_OK && count > 0)
+        {
+            result = trace_batch(session, options, count, error);
+        }
+        if (result == LS_OK && progress)
+        {
+            show_progress(session);
+        }
+    } while (result == LS_OK && count == session->tracer.capacity);
+    if (progress)
+    {
+        fputs("\n", stderr);
+    }
+    if (result == LS_OK && session->traced_count == 0)
+    {
+        result = ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes", session->rays.name);
+    }
+    return result == LS_OK ? ls_out_file_commit(&session->hits, error) : result;
+}
+
+// ---- Report -------------------------------------------------------------------------------------
+
+static int compare_doubles(const void* a, const void* b)
+{
+    double x = *(const double*)a;
+    double y = *(const double*)b;
+    return (x > y) - (x < y);
+}
+
+// To standard output, or beside it when the hits go there.
+static void print_summary(Session* session, const Options* options)
+{
+    FILE* stream = strcmp(options->hits_path, "-") == 0 ? stderr : stdout;
+    double rays = (double)session->traced_count;
+    if (!options->quiet)
+    {
+        fprintf(stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n", session->traced_count,
+                session->hit_count, 100.0 * (double)session->hit_count / rays,
+                options->method == LS_TRACE_EXACT ? "exact" : "brute force",
+                options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit", session->device.name);
+    }
+    if (options->repeats && session->device.timestamp_seconds == 0)
+    {
+        fprintf(stream, "GPU time: unknown, the device has no timestamps\n");
+    }
+    else if (options->repeats)
+    {
+        uint32_t n = options->repeats;
+        double* s = session->seconds;
+        qsort(s, n, sizeof(*s), compare_doubles);
+        double median = (s[(n - 1) / 2] + s[n / 2]) / 2;
+        fprintf(stream, "GPU time: median %.3f ms, min %.3f ms, max %.3f ms of %u; %.2f Mrays/s\n", median * 1e3,
+                s[0] * 1e3, s[n - 1] * 1e3, n, rays / median * 1e-6);
+    }
+}
+
+int main(int argc, char** argv)
+{
+    Options options;
+    bool done;
+    LsExit code = parse_options(argc, argv, &options, &done);
+    if (done)
+    {
+        return code;
+    }
+    static Session session;
+    LsError error;
+    LsResult result = open_session(&session, &options, &error);
+    if (result == LS_OK)
+    {
+        result = trace_rays(&session, &options, &error);
+    }
+    if (result == LS_OK)
+    {
+        print_summary(&session, &options);
+    }
+    else
+    {
+        fprintf(stderr, "lstrace: %s\n", error.text);
+    }
+    close_session(&session);
+    return ls_result_exit_code(result);
+}

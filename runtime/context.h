@@ -1,0 +1,65 @@
+// context.h - the borrowed device: its functions, its memory types and its limits, looked up once.
+
+#ifndef LS_CONTEXT_H
+#define LS_CONTEXT_H
+
+#include "ls_runtime.h"
+
+// Every Vulkan function that the library calls on a device, without the prefix vk.
+#define LS_DEVICE_FUNCTION_LIST(X)                                                                 \
+    X(AllocateCommandBuffers)                                                                      \
+    X(AllocateMemory)                                                                              \
+    X(BeginCommandBuffer)                                                                          \
+    X(BindBufferMemory)                                                                            \
+    X(CmdBindPipeline)                                                                             \
+    X(CmdCopyBuffer)                                                                               \
+    X(CmdDispatch)                                                                                 \
+    X(CmdPipelineBarrier)                                                                          \
+    X(CmdPushConstants)                                                                            \
+    X(CreateBuffer)                                                                                \
+    X(CreateCommandPool)                                                                           \
+    X(CreateComputePipelines)                                                                      \
+    X(CreateFence)                                                                                 \
+    X(CreatePipelineLayout)                                                                        \
+    X(CreateShaderModule)                                                                          \
+    X(DestroyBuffer)                                                                               \
+    X(DestroyCommandPool)                                                                          \
+    X(DestroyFence)                                                                                \
+    X(DestroyPipeline)                                                                             \
+    X(DestroyPipelineLayout)                                                                       \
+    X(DestroyShaderModule)                                                                         \
+    X(EndCommandBuffer)                                                                            \
+    X(FreeMemory)                                                                                  \
+    X(GetBufferDeviceAddress)                                                                      \
+    X(GetBufferMemoryRequirements)                                                                 \
+    X(MapMemory)                                                                                   \
+    X(QueueSubmit)                                                                                 \
+    X(ResetFences)                                                                                 \
+    X(WaitForFences)
+
+typedef struct LsDeviceFunctions
+{
+#define LS_DEVICE_FUNCTION_FIELD(name) PFN_vk##name name;
+    LS_DEVICE_FUNCTION_LIST(LS_DEVICE_FUNCTION_FIELD)
+#undef LS_DEVICE_FUNCTION_FIELD
+} LsDeviceFunctions;
+
+struct LsContext
+{
+    VkDevice device;
+    VkQueue queue;
+    uint32_t queue_family;
+    LsDeviceFunctions vk;
+    VkPhysicalDeviceMemoryProperties memory;
+    VkDeviceSize max_buffer_bytes; // largest buffer with memory of its own
+    uint32_t max_group_count;      // work groups of one dispatch
+    bool unified;                  // all memory is near the device and the host maps it
+    VkShaderModule trace_shader;
+    VkPipelineLayout trace_layout;
+};
+
+// Fills `error` for a failed Vulkan call ("vkQueueSubmit") and returns what `code` stands for:
+// DEVICE_MEMORY, MEMORY, DEVICE_LOST or DEVICE. VK_SUCCESS gives OK and leaves `error` alone.
+LsResult ls_vulkan_result(VkResult code, const char* call, LsError* error);
+
+#endif

@@ -1,0 +1,158 @@
+#include "scene.h"
+
+#include "pipeline.h"
+#include "upload.h"
+
+#include <stdlib.h>
+
+// The arrays that shaders read: chunk and the field of LsDeviceScene that says where it lies. Nodes and
+// cameras stay in the file.
+#define DEVICE_CHUNK_LIST(X)                                                                       \
+    X(OBJECTS, objects)                                                                            \
+    X(INSTANCES, instances)                                                                        \
+    X(TOP_NODES, top_nodes)                                                                        \
+    X(MATERIALS, materials)                                                                        \
+    X(LIGHTS, lights)                                                                              \
+    X(TRIANGLES, triangles)                                                                        \
+    X(BLOCKS, blocks)                                                                              \
+    X(CELL_BLOCKS, cell_blocks)                                                                    \
+    X(SUBGRIDS, subgrids)                                                                          \
+    X(VOXELS, voxels)                                                                              \
+    X(REFERENCES, references)                                                                      \
+    X(LEAF_NODES, leaf_nodes)                                                                      \
+    X(SHAFTS, shafts)
+
+static bool lies_on_device(LsChunk chunk)
+{
+    return chunk != LS_CHUNK_NODES && chunk != LS_CHUNK_CAMERAS;
+}
+
+static LsResult upload_array(LsScene* scene, LsUpload* upload, LsBuffer* buffer, const void* bytes,
+                             VkDeviceSize size, const char* name, const char* what, LsError* error)
+{
+    LsResult result = ls_buffer_create(scene->context, LS_BUFFER_SCENE, size, name, what, buffer, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    scene->device_bytes += size;
+    return ls_upload_copy(upload, buffer, bytes, size, error);
+}
+
+static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file, const char* name, LsError* error)
+{
+    for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
+    {
+        const LsEntry* entry = file->chunk_entries[chunk];
+        if (entry && lies_on_device(chunk))
+        {
+            LsResult result =
+                upload_array(scene, upload, &scene->chunks[chunk], file->bytes + entry->offset,
+                             entry->stored_bytes, name, ls_chunk_info(chunk).name, error);
+            if (result != LS_OK)
+            {
+                return result;
+            }
+        }
+    }
+    LsDeviceScene table = {
+#define CHUNK_ADDRESS(NAME, field) .field = scene->chunks[LS_CHUNK_##NAME].address,
+        DEVICE_CHUNK_LIST(CHUNK_ADDRESS)
+#undef CHUNK_ADDRESS
+            .instance_count = ls_file_count(file, LS_CHUNK_INSTANCES),
+        .top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES),
+        .light_count = ls_file_count(file, LS_CHUNK_LIGHTS),
+        .transform_bound = file->header->transform_bound,
+    };
+    return upload_array(scene, upload, &scene->table, &table, sizeof(table), name, "the table of arrays", error);
+}
+
+static VkDeviceSize find_largest_upload(const LsFile* file)
+{
+    VkDeviceSize largest = sizeof(LsDeviceScene);
+    for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
+    {
+        const LsEntry* entry = file->chunk_entries[chunk];
+        if (entry && lies_on_device(chunk) && entry->stored_bytes > largest)
+        {
+            largest = entry->stored_bytes;
+        }
+    }
+    return largest;
+}
+
+static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name, LsError* error)
+{
+    LsUpload upload;
+    LsResult result = ls_upload_begin(&upload, scene->context, find_largest_upload(file), name, error);
+    if (result == LS_OK)
+    {
+        result = upload_file(scene, &upload, file, name, error);
+    }
+    // Both pipelines now rather than at their first use, which may be on any thread.
+    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE && result == LS_OK; method++)
+    {
+        result = ls_trace_pipeline_create(scene->context, scene->features, method, &scene->pipelines[method], error);
+    }
+    LsResult ended = ls_upload_end(&upload, result == LS_OK ? error : NULL);
+    return result == LS_OK ? ended : result;
+}
+
+LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* name, LsScene** scene, LsError* error)
+{
+    *scene = NULL;
+    LsResult result = ls_file_check(file, name, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    LsScene* made = calloc(1, sizeof(*made));
+    if (!made)
+    {
+        return ls_error_set(error, LS_ERROR_MEMORY, "%s: out of memory for a scene", name);
+    }
+    made->context = context;
+    made->features = file->header->required_features;
+    result = fill_scene(made, file, name, error);
+    if (result != LS_OK)
+    {
+        ls_scene_destroy(made);
+        return result;
+    }
+    *scene = made;
+    return LS_OK;
+}
+
+void ls_scene_destroy(LsScene* scene)
+{
+    if (!scene)
+    {
+        return;
+    }
+    const LsContext* context = scene->context;
+    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE; method++)
+    {
+        context->vk.DestroyPipeline(context->device, scene->pipelines[method], NULL);
+    }
+    for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
+    {
+        ls_buffer_destroy(context, &scene->chunks[chunk]);
+    }
+    ls_buffer_destroy(context, &scene->table);
+    free(scene);
+}
+
+VkDeviceAddress ls_scene_address(const LsScene* scene)
+{
+    return scene->table.address;
+}
+
+uint64_t ls_scene_features(const LsScene* scene)
+{
+    return scene->features;
+}
+
+uint64_t ls_scene_device_bytes(const LsScene* scene)
+{
+    return scene->device_bytes;
+}

@@ -1,0 +1,18 @@
+// scene.h - an uploaded file.
+
+#ifndef LS_SCENE_H
+#define LS_SCENE_H
+
+#include "buffer.h"
+
+struct LsScene
+{
+    const LsContext* context;
+    uint64_t features; // required features of the file
+    LsBuffer chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
+    LsBuffer table;                  // LsDeviceScene
+    VkPipeline pipelines[2];         // by LsMethod
+    uint64_t device_bytes;
+};
+
+#endif

@@ -1,0 +1,414 @@
+// linespace.glsl - traces rays through a Line Space; the one include for shaders of others.
+//
+//     #extension GL_EXT_buffer_reference : require
+//     #extension GL_EXT_buffer_reference_uvec2 : require
+//     #extension GL_GOOGLE_include_directive : require
+//     #include "linespace.glsl"
+//     ...
+//     ls_scene_address = ...;                     // from ls_scene_address() of ls_runtime.h
+//     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
+//
+// Cells are walked by integers alone; a point on the ray only picks among the cells that an empty cube
+// or a voxel leaves open. The s and the axis by which a cell is left are those by which the next is entered,
+// so the intervals tile the ray. Planes of cells are whole numbers times a power of two, exact in float.
+// design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo 1987; exactness: SPEC 7.5.
+
+#ifndef LS_LINESPACE_GLSL
+#define LS_LINESPACE_GLSL
+
+#include "scene.glsl"
+#include "triangle.glsl"
+
+// Tests the voxel's references whose bit is set in `mask`. True if the ray may end: any hit was asked for.
+bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_triangle, uint first_reference, uint mask,
+                        uint instance, uint object, uint flags)
+{
+    LsWordArray references = LsWordArray(ls_scene.references);
+    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    while (mask != 0u)
+    {
+        uint bit = uint(findLSB(mask));
+        mask &= mask - 1u;
+        uint index = references.at[first_reference + bit];
+        if (ls_test_triangle(ray, best, triangles.at[first_triangle + index], instance, object, flags))
+        {
+            best.triangle = index;
+            if ((flags & LS_RAY_FLAG_ANY_HIT) != 0u)
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+{
+    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    for (uint i = 0u; i < object.triangle_count; i++)
+    {
+        if (ls_test_triangle(ray, best, triangles.at[object.first_triangle + i], instance, object_index, flags))
+        {
+            best.triangle = i;
+            if ((flags & LS_RAY_FLAG_ANY_HIT) != 0u)
+            {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+// Whether a ray meets a box before `end`; `inverse` from ls_inverse_direction, so no product is NaN.
+bool ls_meets_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float begin, float end)
+{
+    precise vec3 a = (lower - origin) * inverse;
+    precise vec3 b = (upper - origin) * inverse;
+    return max(ls_max_component(min(a, b)), begin) <= min(ls_min_component(max(a, b)), end);
+}
+
+// Patch index on the face of `axis` for a point in voxel coordinates, clamped onto the voxel.
+uint ls_patch_index(vec3 p, uint axis, uint patches)
+{
+    uvec3 q = uvec3(clamp(p * float(patches), vec3(0.0), vec3(float(patches) - 0.5)));
+    return axis == 0u ? q.y * patches + q.z : (axis == 1u ? q.z * patches + q.x : q.x * patches + q.y);
+}
+
+// The mask of the shaft from one face and point to another; SPEC chapter 6.
+uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint face_in, vec3 point_in, uint face_out, vec3 point_out)
+{
+    uint patches = (voxel.shape >> 8) & 0xFFu;
+    uint width_log2 = (voxel.shape >> 16) & 0xFFu;
+    uint patch_in = ls_patch_index(point_in, face_in >> 1, patches);
+    uint patch_out = ls_patch_index(point_out, face_out >> 1, patches);
+    bool forward = face_in < face_out;
+    uint face_a = forward ? face_in : face_out;
+    uint face_b = forward ? face_out : face_in;
+    uint patch_a = forward ? patch_in : patch_out;
+    uint patch_b = forward ? patch_out : patch_in;
+    uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
+    uint shaft = (pair * patches * patches + patch_a) * patches * patches + patch_b;
+    uint bit = shaft << width_log2;
+    uint word = LsWordArray(ls_scene.shafts).at[first_shaft_word + voxel.table + (bit >> 5)] >> (bit & 31u);
+    return width_log2 == 5u ? word : word & ((1u << (1u << width_log2)) - 1u);
+}
+
+uint ls_min_axis(vec3 v)
+{
+    return v.x <= v.y && v.x <= v.z ? 0u : (v.y <= v.z ? 1u : 2u);
+}
+
+uint ls_max_axis(vec3 v)
+{
+    return v.x >= v.y && v.x >= v.z ? 0u : (v.y >= v.z ? 1u : 2u);
+}
+
+// Walks the grid of an object. True if the ray may end.
+bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+{
+    LsWordArray blocks = LsWordArray(ls_scene.blocks);
+    LsWordArray cells = LsWordArray(ls_scene.cell_blocks);
+    LsVoxelArray voxels = LsVoxelArray(ls_scene.voxels);
+
+    // The ray in grid space. Axes along which it hardly moves never leave a cell.
+    precise vec3 origin = (ray.origin - object.grid_lower) * object.inverse_cell;
+    precise vec3 direction = ray.direction * object.inverse_cell;
+    bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
+    precise vec3 inverse = ls_inverse_direction(ray.direction) / object.inverse_cell;
+    bvec3 rising = greaterThanEqual(direction, vec3(0.0));
+    ivec3 dims = ivec3(object.cells[0], object.cells[1], object.cells[2]);
+
+    // Where it enters and leaves the grid. Triangles keep a margin to its border, so this needs no growth.
+    vec3 border = vec3(dims);
+    if (ls_max_component(mix(vec3(0.0), max(-origin, origin - border), still)) > 0.0)
+    {
+        return false;
+    }
+    precise vec3 s_low = (vec3(0.0) - origin) * inverse;
+    precise vec3 s_high = (border - origin) * inverse;
+    float s_enter = ls_max_component(mix(min(s_low, s_high), vec3(-LS_INFINITY), still));
+    float s_leave = ls_min_component(mix(max(s_low, s_high), vec3(LS_INFINITY), still));
+    precise float s_first = ray.smin - ray.s0;
+    precise float s = max(s_enter, s_first);
+    if (!(s_enter <= s_leave && s <= s_leave))
+    {
+        return false;
+    }
+
+    precise vec3 start = origin + direction * s;
+    ivec3 cell = clamp(ivec3(floor(start)), ivec3(0), dims - 1); // counts cells of the level
+    ivec3 low = ivec3(0);                                          // the region of the level: the grid,
+    ivec3 high = dims;                                             // or the parent voxel of a sub-grid
+    int level = 0;
+    float cells_per_unit = 1.0; // 4^level, and its inverse
+    float cell_size = 1.0;
+    uint block = 0u;
+    uint axis = 0u;
+    bool entered = false; // by a face, `axis`; before that the ray starts inside the cell
+    uint octant = (rising.x ? 0u : 1u) | (rising.y ? 0u : 2u) | (rising.z ? 0u : 4u);
+    uint blocks_x = uint(dims.x + 3) >> 2;
+    uint blocks_y = uint(dims.y + 3) >> 2;
+
+    for (;;)
+    {
+        // What stands here: an empty cube with its planes, or a voxel.
+        bool filled = false;
+        uint word = 0u;
+        ivec3 cube = cell;
+        int side = 1;
+        bool in_block = true;
+        if (level == 0)
+        {
+            uvec3 at = uvec3(cell) >> 2;
+            word = blocks.at[object.first_block + at.x + blocks_x * (at.y + blocks_y * at.z)];
+            if ((word & 15u) != 0u)
+            {
+                cube = ivec3(at) << 2;
+                side = int((word >> (4u * octant)) & 15u) << 2;
+                cube -= ivec3(not(rising)) * (side - 4);
+                in_block = false;
+            }
+            else
+            {
+                block = word >> 4;
+            }
+        }
+        if (in_block)
+        {
+            uvec3 at = uvec3(cell) & 3u;
+            word = cells.at[(object.first_cell_block + block) * LS_BLOCK_CELLS + at.x + 4u * at.y + 16u * at.z];
+            if ((word & 15u) != 0u)
+            {
+                side = int((word >> (4u * octant)) & 15u);
+                cube -= ivec3(not(rising)) * (side - 1);
+            }
+            else
+            {
+                filled = true;
+            }
+        }
+
+        // The cube's far planes, and where the ray leaves through them.
+        ivec3 cube_low = max(cube, low);
+        ivec3 cube_high = min(cube + side, high);
+        ivec3 plane = mix(cube_low, cube_high, rising);
+        precise vec3 s_planes = (vec3(plane) * cell_size - origin) * inverse;
+        s_planes = mix(s_planes, vec3(LS_INFINITY), still);
+        uint axis_out = ls_min_axis(s_planes);
+        float s_out = max(ls_min_component(s_planes), s);
+
+        if (filled)
+        {
+            LsVoxel voxel = voxels.at[object.first_voxel + (word >> 4)];
+            uint kind = voxel.shape & 0xFFu;
+            if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
+            {
+                level++;
+                cells_per_unit *= 4.0;
+                cell_size *= 0.25;
+                low = cell << 2;
+                high = low + 4;
+                block = voxel.table;
+                precise vec3 p = origin + direction * s;
+                cell = clamp(ivec3(floor(p * cells_per_unit)), low, high - 1);
+                if (entered)
+                {
+                    cell[axis] = rising[axis] ? low[axis] : high[axis] - 1;
+                }
+                continue;
+            }
+            uint mask = voxel.reference_count >= 32u ? 0xFFFFFFFFu : (1u << voxel.reference_count) - 1u;
+            uint first_reference = object.first_reference + voxel.first_reference;
+            if (LS_HAS_LEAF_BVHS != 0u && kind == LS_VOXEL_BVH)
+            {
+                LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
+                uint first_node = object.first_leaf_node + voxel.table;
+                uint node_count = nodes.at[first_node].escape;
+                for (uint i = 0u; i < node_count;)
+                {
+                    LsBvhNode node = nodes.at[first_node + i];
+                    float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
+                    bool met = ls_meets_box(origin, inverse, node.lower, node.upper, s_first, s_limit);
+                    if (met && node.leaf != 0u &&
+                        ls_test_references(ray, best, object.first_triangle, first_reference + (node.leaf >> 4),
+                                           (1u << (node.leaf & 15u)) - 1u, instance, object_index, flags))
+                    {
+                        return true;
+                    }
+                    i = met ? i + 1u : node.escape;
+                }
+                mask = 0u;
+            }
+            if (LS_HAS_MASKS != 0u && kind == LS_VOXEL_MASKS)
+            {
+                // A ray that starts in the voxel gets the shaft of its whole line through it.
+                float s_in = s;
+                uint axis_in = axis;
+                if (!entered)
+                {
+                    precise vec3 s_near = (vec3(mix(cell + 1, cell, rising)) * cell_size - origin) * inverse;
+                    s_near = mix(s_near, vec3(-LS_INFINITY), still);
+                    axis_in = ls_max_axis(s_near);
+                    s_in = min(ls_max_component(s_near), s);
+                }
+                precise vec3 point_in = (origin + direction * s_in) * cells_per_unit - vec3(cell);
+                precise vec3 point_out = (origin + direction * s_out) * cells_per_unit - vec3(cell);
+                uint face_in = 2u * axis_in + (rising[axis_in] ? 0u : 1u);
+                uint face_out = 2u * axis_out + (rising[axis_out] ? 1u : 0u);
+                mask &= ls_shaft_mask(voxel, object.first_shaft_word, face_in, point_in, face_out, point_out);
+            }
+            if (ls_test_references(ray, best, object.first_triangle, first_reference, mask, instance, object_index, flags))
+            {
+                return true;
+            }
+        }
+
+        // What lies beyond has s >= s_out; compared with s0 added, as hits are.
+        precise float s_end = s_out + ray.s0;
+        if (ray.smax < s_end)
+        {
+            return false;
+        }
+
+        // Step through the plane of axis_out; along the other axes the ray stays within the cube.
+        precise vec3 p_out = origin + direction * s_out;
+        ivec3 reached = ivec3(floor(p_out * cells_per_unit));
+        cell = clamp(reached, mix(cube_low, cell, rising), mix(cell, cube_high - 1, rising));
+        cell[axis_out] = rising[axis_out] ? plane[axis_out] : plane[axis_out] - 1;
+        s = s_out;
+        axis = axis_out;
+        entered = true;
+        while (LS_HAS_SUBGRIDS != 0u && level > 0 && (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high))))
+        {
+            level--;
+            cells_per_unit *= 0.25;
+            cell_size *= 4.0;
+            cell >>= 2;
+            if (level == 0)
+            {
+                low = ivec3(0);
+                high = dims;
+            }
+            else
+            {
+                low = (low >> 2) & ~3;
+                high = low + 4;
+                uint subgrid = block - (object.cell_block_count - object.subgrid_count);
+                block = LsWordArray(ls_scene.subgrids).at[object.first_subgrid + subgrid];
+            }
+        }
+        if (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high)))
+        {
+            return false;
+        }
+    }
+}
+
+// Traces a ray that is in the object's space. True if the ray may end.
+bool ls_trace_object(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+{
+    if (LS_METHOD == LS_METHOD_EXACT && LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || object.kind == LS_OBJECT_GRID))
+    {
+        return ls_walk_grid(ray, best, object, instance, object_index, flags);
+    }
+    return ls_test_all(ray, best, object, instance, object_index, flags);
+}
+
+// Carries a ray into an instance and traces it there. True if the ray may end.
+bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
+{
+    LsInstance instance = LsInstanceArray(ls_scene.instances).at[index];
+    if ((instance.mask & mask) == 0u)
+    {
+        return false;
+    }
+    LsObject object = LsObjectArray(ls_scene.objects).at[instance.object];
+    vec3 o = ray.origin;
+    vec3 d = ray.direction;
+    LsLocalRay local;
+    if (LS_HAS_TOP_LEVEL != 0u)
+    {
+        for (int i = 0; i < 3; i++)
+        {
+            vec4 row = instance.object_from_world[i];
+            precise float p = ((row.x * o.x + row.y * o.y) + row.z * o.z) + row.w;
+            precise float q = (row.x * d.x + row.y * d.y) + row.z * d.z;
+            local.origin[i] = p;
+            local.direction[i] = q;
+        }
+        if (!ls_is_finite(local.origin) || !ls_is_direction(local.direction))
+        {
+            return false;
+        }
+        local.mirrored = (instance.flags & LS_INSTANCE_MIRRORED) != 0u;
+    }
+    else
+    {
+        local.origin = o;
+        local.direction = d;
+        local.mirrored = false;
+    }
+    return ls_local_ray_finish(local, object, ray.tmin, best.t) &&
+           ls_trace_object(local, best, object, index, instance.object, flags);
+}
+
+// The triangle of the last ls_trace_ray: its index into the object's part of TRIANGLES, or LS_NONE.
+uint ls_hit_triangle;
+
+// Traces one ray; SPEC chapter 7. `mask` selects instances (0xFF: all), `flags` are LS_RAY_FLAG_*.
+LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
+{
+    LsBest best = LsBest(ray.tmax, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, LS_NONE);
+    if (!ls_ray_is_legal(ray))
+    {
+    }
+    else if (LS_HAS_TOP_LEVEL == 0u)
+    {
+        ls_trace_instance(ray, best, 0u, mask, flags);
+    }
+    else if (LS_METHOD == LS_METHOD_BRUTE)
+    {
+        for (uint i = 0u; i < ls_scene.instance_count; i++)
+        {
+            if (ls_trace_instance(ray, best, i, mask, flags))
+            {
+                break;
+            }
+        }
+    }
+    else
+    {
+        // Boxes grow with the ray's origin, whose rounding in object space grows with it; SPEC 7.3.
+        LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.top_nodes);
+        float scale = ls_direction_scale(ray.direction);
+        vec3 inverse = ls_inverse_direction(ray.direction * ls_exact_inverse(scale));
+        float pad = ls_scene.transform_bound * ls_max_component(abs(ray.origin));
+        for (uint i = 0u; i < ls_scene.top_node_count;)
+        {
+            LsBvhNode node = nodes.at[i];
+            bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin * scale,
+                                    best.t * scale);
+            if (met && node.leaf != 0u && ls_trace_instance(ray, best, node.leaf >> 4, mask, flags))
+            {
+                break;
+            }
+            i = met ? i + 1u : node.escape;
+        }
+    }
+
+    ls_hit_triangle = best.triangle;
+    LsHit hit;
+    bool any = (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+    bool found = best.instance != LS_NONE;
+    hit.t = found ? (any ? 0.0 : best.t) : -1.0;
+    hit.u = found && !any ? best.u : 0.0;
+    hit.v = found && !any ? best.v : 0.0;
+    hit.instance = best.instance;
+    hit.object = best.object;
+    hit.primitive = best.primitive;
+    hit.material = best.material;
+    hit.reserved = 0u;
+    return hit;
+}
+
+#endif

@@ -1,0 +1,249 @@
+// path.comp.glsl - a progressive path tracer over diffuse surfaces; docs/rendering.md tells the algorithm.
+
+#version 460
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_GOOGLE_include_directive : require
+
+#include "linespace.glsl"
+#include "path_layout.h"
+#include "sampling.glsl"
+
+layout(local_size_x_id = 7) in;
+layout(constant_id = 8) const uint LS_HAS_LIGHTS = 1;
+
+layout(push_constant) uniform LsPush
+{
+    LsPathParams params;
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer LsImage
+{
+    vec4 at[];
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer LsCounters
+{
+    LsPathCounters counters;
+};
+
+// Segments of a path before roulette may end it.
+const uint LS_ROULETTE_SEGMENTS = 5u;
+
+// Shadow rays end before the light by this much of their length, more than t errs by (SPEC 7.6).
+const float LS_SHADOW_END = 1.0 - 1.0 / 262144.0;
+
+shared uint group_rays;
+uint ray_count;
+
+LsHit trace(vec3 origin, vec3 direction, float tmax, uint flags)
+{
+    ray_count++;
+    return ls_trace_ray(LsRay(origin, 0.0, direction, tmax), 0xFFu, flags);
+}
+
+LsSurface load_surface(uint instance_index, uint triangle_index, vec2 weights)
+{
+    LsInstance instance = LsInstanceArray(ls_scene.instances).at[instance_index];
+    uint first_triangle = LsObjectArray(ls_scene.objects).at[instance.object].first_triangle;
+    return ls_surface(LsTriangleArray(ls_scene.triangles).at[first_triangle + triangle_index],
+                      instance.world_from_object, (instance.flags & LS_INSTANCE_MIRRORED) != 0u, weights,
+                      ls_scene.transform_bound);
+}
+
+float luminance(vec3 color)
+{
+    return dot(color, vec3(0.2126, 0.7152, 0.0722));
+}
+
+// Radiance that leaves the surface against `direction`, the way a ray came.
+vec3 emitted(LsMaterial material, LsSurface surface, vec3 direction)
+{
+    bool seen = (material.flags & LS_MATERIAL_DOUBLE_SIDED) != 0u || dot(surface.normal, direction) < 0.0;
+    return seen ? material.emission : vec3(0.0);
+}
+
+// The first light whose cumulative probability passes `random`.
+uint choose_light(float random)
+{
+    LsLightArray lights = LsLightArray(ls_scene.lights);
+    uint first = 0u;
+    uint last = ls_scene.light_count - 1u;
+    while (first < last)
+    {
+        uint middle = (first + last) / 2u;
+        bool passed = random < lights.at[middle].cumulative;
+        first = passed ? first : middle + 1u;
+        last = passed ? middle : last;
+    }
+    return first;
+}
+
+// Light that reaches a diffuse surface of albedo 1 from one point of one light, weighed against what a
+// bounce would find there by the balance heuristic. With k = density * luminance the light is sampled by
+// k d^2 / cos_light, the bounce by cos / pi; the estimate is arranged so that it stays finite as d goes to 0.
+vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
+{
+    LsLightArray lights = LsLightArray(ls_scene.lights);
+    uint index = choose_light(random.x);
+    LsLight light = lights.at[index];
+    float probability = light.cumulative - (index == 0u ? 0.0 : lights.at[index - 1u].cumulative);
+    LsSurface emitter = load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
+    uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
+    uint first_triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle;
+    uint material_index = LsTriangleArray(ls_scene.triangles).at[first_triangle + light.triangle].material;
+    LsMaterial material = LsMaterialArray(ls_scene.materials).at[material_index];
+
+    vec3 way = emitter.position - surface.position;
+    float distance_squared = dot(way, way);
+    float inverse_distance = inversesqrt(distance_squared);
+    float cosine = dot(normal, way) * inverse_distance;
+    float cosine_light = dot(emitter.normal, way) * inverse_distance;
+    vec3 radiance = emitted(material, emitter, way);
+    if (!(cosine > 0.0) || cosine_light == 0.0 || radiance == vec3(0.0))
+    {
+        return vec3(0.0);
+    }
+
+    vec3 origin = surface.position + normal * surface.error;
+    vec3 target = emitter.position + emitter.normal * (cosine_light < 0.0 ? emitter.error : -emitter.error);
+    if (trace(origin, target - origin, LS_SHADOW_END, LS_RAY_FLAG_ANY_HIT).t >= 0.0)
+    {
+        return vec3(0.0);
+    }
+    float k = params.light_density * luminance(material.emission);
+    float density_bounce = cosine / LS_PI;
+    return radiance * (density_bounce * (light.area / probability) /
+                       (distance_squared / abs(cosine_light) + density_bounce / k));
+}
+
+vec3 camera_direction(uvec2 pixel, vec2 jitter)
+{
+    vec2 size = vec2(params.width, params.height);
+    vec2 at = (vec2(pixel) + jitter) * 2.0 - size;
+    vec3 way = vec3(at.x, -at.y, -1.0) * vec3(vec2(params.tan_half_y / size.y), 1.0);
+    return vec3(dot(params.world_from_camera[0].xyz, way), dot(params.world_from_camera[1].xyz, way),
+                dot(params.world_from_camera[2].xyz, way));
+}
+
+// Radiance along one path.
+vec3 trace_path(uvec2 pixel, uint sample_index)
+{
+    uint number = pixel.y * params.width + pixel.x;
+    vec3 origin = vec3(params.world_from_camera[0].w, params.world_from_camera[1].w, params.world_from_camera[2].w);
+    vec3 direction = camera_direction(pixel, ls_random(number, sample_index, 0u, params.seed).xy);
+    vec3 radiance = vec3(0.0);
+    vec3 throughput = vec3(1.0);
+    float density_bounce = 0.0;
+
+    for (uint segment = 1u;; segment++)
+    {
+        LsHit hit = trace(origin, direction, LS_INFINITY, 0u);
+        if (hit.instance == LS_NONE)
+        {
+            // Without lights the surroundings are white, with lights they are black.
+            return LS_HAS_LIGHTS != 0u ? radiance : throughput;
+        }
+        LsSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
+        LsMaterial material = LsMaterialArray(ls_scene.materials).at[hit.material];
+        vec3 normal = dot(surface.normal, direction) < 0.0 ? surface.normal : -surface.normal;
+
+        if (LS_HAS_LIGHTS != 0u && (material.flags & LS_MATERIAL_EMISSIVE) != 0u)
+        {
+            float weight = 1.0;
+            if (segment > 1u)
+            {
+                // Against k d^2 / cos_light, as in sample_lights; directions of bounces are unit.
+                float k = params.light_density * luminance(material.emission);
+                float bounce = density_bounce * abs(dot(normal, direction));
+                weight = bounce / (bounce + k * hit.t * hit.t);
+            }
+            radiance += throughput * weight * emitted(material, surface, direction);
+        }
+        if (segment >= params.depth)
+        {
+            return radiance;
+        }
+
+        vec4 random = ls_random(number, sample_index, 2u * segment - 1u, params.seed);
+        throughput *= material.base_color;
+        if (LS_HAS_LIGHTS != 0u)
+        {
+            radiance += throughput * sample_lights(surface, normal, random.xyz);
+        }
+        float survival = max(throughput.x, max(throughput.y, throughput.z));
+        if (segment >= LS_ROULETTE_SEGMENTS)
+        {
+            survival = min(survival, 1.0);
+            if (!(random.w < survival))
+            {
+                return radiance;
+            }
+            throughput /= survival;
+        }
+        else if (survival == 0.0)
+        {
+            return radiance;
+        }
+
+        random = ls_random(number, sample_index, 2u * segment, params.seed);
+        direction = ls_sample_hemisphere(normal, random.xy);
+        density_bounce = sqrt(1.0 - random.x) / LS_PI;
+        origin = surface.position + normal * surface.error;
+    }
+}
+
+// The running average of F.-L. Schröder 2017, equation 8, C' = s/(s+1) C + 1/(s+1) C_trace, written so that a
+// constant stays itself.
+vec3 average(vec3 mean, vec3 value, uint count)
+{
+    return mean + (value - mean) / float(count + 1u);
+}
+
+void add_samples(uvec2 pixel)
+{
+    LsImage image = LsImage(params.image);
+    uint index = pixel.y * params.width + pixel.x;
+    vec3 mean = params.first_sample == 0u ? vec3(0.0) : image.at[index].rgb;
+    for (uint i = 0u; i < params.sample_count; i++)
+    {
+        vec3 value = trace_path(pixel, params.first_sample + i);
+        if (!ls_is_finite(value))
+        {
+            atomicAdd(LsCounters(params.counters).counters.invalid_samples, 1u);
+            value = vec3(0.0);
+        }
+        mean = average(mean, value, params.first_sample + i);
+    }
+    image.at[index] = vec4(mean, 1.0);
+}
+
+void main()
+{
+    if (gl_LocalInvocationIndex == 0u)
+    {
+        group_rays = 0u;
+    }
+    barrier();
+
+    ls_scene_address = params.scene;
+    ray_count = 0u;
+    uvec2 tile = uvec2(LS_PATH_TILE_WIDTH, gl_WorkGroupSize.x / LS_PATH_TILE_WIDTH);
+    uvec2 pixel = gl_WorkGroupID.xy * tile +
+                  uvec2(gl_LocalInvocationIndex % tile.x, gl_LocalInvocationIndex / tile.x);
+    if (pixel.x < params.width && pixel.y < params.height)
+    {
+        add_samples(pixel);
+    }
+
+    atomicAdd(group_rays, ray_count);
+    barrier();
+    if (gl_LocalInvocationIndex == 0u)
+    {
+        uint before = atomicAdd(LsCounters(params.counters).counters.rays_low, group_rays);
+        if (before + group_rays < before)
+        {
+            atomicAdd(LsCounters(params.counters).counters.rays_high, 1u);
+        }
+    }
+}

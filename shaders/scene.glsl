@@ -1,0 +1,45 @@
+// scene.glsl - the scene's arrays on the device, and what of them this pipeline uses.
+//
+// The shader that includes it enables GL_EXT_buffer_reference and GL_EXT_buffer_reference_uvec2 and sets
+// ls_scene_address, the address of an LsDeviceScene, before the first trace.
+
+#ifndef LS_SCENE_GLSL
+#define LS_SCENE_GLSL
+
+#include "ls_layout.h"
+
+// Specialization: the method, and the required features of the file in bit order. What a file does not
+// use is compiled away.
+layout(constant_id = 0) const uint LS_METHOD = LS_METHOD_EXACT;
+layout(constant_id = 1) const uint LS_HAS_TOP_LEVEL = 1;
+layout(constant_id = 2) const uint LS_HAS_LISTS = 1;
+layout(constant_id = 3) const uint LS_HAS_GRIDS = 1;
+layout(constant_id = 4) const uint LS_HAS_SUBGRIDS = 1;
+layout(constant_id = 5) const uint LS_HAS_LEAF_BVHS = 1;
+layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
+
+#define LS_ARRAY(name, type, alignment)                                                            \
+    layout(buffer_reference, std430, buffer_reference_align = alignment) readonly buffer name      \
+    {                                                                                              \
+        type at[];                                                                                 \
+    }
+
+LS_ARRAY(LsObjectArray, LsObject, 16);
+LS_ARRAY(LsInstanceArray, LsInstance, 16);
+LS_ARRAY(LsBvhNodeArray, LsBvhNode, 16);
+LS_ARRAY(LsMaterialArray, LsMaterial, 16);
+LS_ARRAY(LsLightArray, LsLight, 16);
+LS_ARRAY(LsTriangleArray, LsTriangle, 16);
+LS_ARRAY(LsVoxelArray, LsVoxel, 16);
+LS_ARRAY(LsWordArray, uint, 4);
+
+layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer LsSceneReference
+{
+    LsDeviceScene scene;
+};
+
+uvec2 ls_scene_address;
+
+#define ls_scene LsSceneReference(ls_scene_address).scene
+
+#endif

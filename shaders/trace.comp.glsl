@@ -1,0 +1,42 @@
+// trace.comp.glsl - the batch kernel: one thread carries one ray of LsTraceParams.rays to its hit.
+
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+
+#include "linespace.glsl"
+
+layout(local_size_x_id = 7) in;
+
+layout(push_constant, std430) uniform Push
+{
+    LsTraceParams params;
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer RayArray
+{
+    LsRay at[];
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 16) writeonly buffer HitArray
+{
+    LsHit at[];
+};
+
+layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer MaskArray
+{
+    uint at[];
+};
+
+void main()
+{
+    uint index = gl_GlobalInvocationID.x;
+    if (index >= params.ray_count)
+    {
+        return;
+    }
+    ls_scene_address = params.scene;
+    uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
+    HitArray(params.hits).at[index] = ls_trace_ray(RayArray(params.rays).at[index], mask, params.flags);
+}

@@ -1,0 +1,218 @@
+// triangle.glsl - rays in object space and the watertight triangle test; SPEC 7.1, 7.2 and 7.4.
+//
+// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, with the shear
+// multiplied out so that no division decides. Everything is `precise`: the same operations must give the
+// same bits wherever they are inlined, and a fused multiply-add would open the edges.
+
+#ifndef LS_TRIANGLE_GLSL
+#define LS_TRIANGLE_GLSL
+
+#include "scene.glsl"
+
+#define LS_INFINITY uintBitsToFloat(0x7F800000u)
+
+bool ls_is_finite(float x)
+{
+    return (floatBitsToUint(x) & 0x7F800000u) != 0x7F800000u;
+}
+
+bool ls_is_finite(vec3 v)
+{
+    return ls_is_finite(v.x) && ls_is_finite(v.y) && ls_is_finite(v.z);
+}
+
+bool ls_is_nan(float x)
+{
+    return (floatBitsToUint(x) & 0x7FFFFFFFu) > 0x7F800000u;
+}
+
+float ls_max_component(vec3 v)
+{
+    return max(max(v.x, v.y), v.z);
+}
+
+float ls_min_component(vec3 v)
+{
+    return min(min(v.x, v.y), v.z);
+}
+
+// A direction is usable if it is finite and not zero, which starts below the smallest normal number.
+bool ls_is_direction(vec3 d)
+{
+    return ls_is_finite(d) && ls_max_component(abs(d)) >= uintBitsToFloat(0x00800000u);
+}
+
+bool ls_ray_is_legal(LsRay ray)
+{
+    return ls_is_finite(ray.origin) && ls_is_direction(ray.direction) && !ls_is_nan(ray.tmin) &&
+           !ls_is_nan(ray.tmax) && ray.tmin >= 0.0 && ray.tmax > ray.tmin;
+}
+
+// The nearest hit so far. t is in units of the ray as given.
+struct LsBest
+{
+    float t; // tmax before the first hit
+    float u;
+    float v;
+    uint instance; // LS_NONE before the first hit
+    uint object;
+    uint primitive;
+    uint material;
+    uint triangle; // index into the object's part of TRIANGLES; set by who tests
+};
+
+// A ray in the space of one object, its direction scaled by a power of two so that the largest component
+// lies in [1,2). Distances s count scaled directions: s = t * scale.
+struct LsLocalRay
+{
+    vec3 origin; // moved along the ray by s0 if it lay far away
+    vec3 direction;
+    float s0;
+    float smin;
+    float smax; // of the nearest hit so far
+    float scale;
+    uint major; // axis of the largest component of the direction
+    bool mirrored;
+};
+
+// 2^e for the exponent that scales a direction; SPEC 7.2.
+float ls_direction_scale(vec3 d)
+{
+    uint exponent = min(floatBitsToUint(ls_max_component(abs(d))) >> 23, 253u);
+    return uintBitsToFloat(exponent << 23);
+}
+
+float ls_exact_inverse(float power_of_two)
+{
+    return uintBitsToFloat((254u << 23) - floatBitsToUint(power_of_two));
+}
+
+// Components this small, against a direction scaled to 1, move a ray by nothing on its whole way; they are
+// kept from zero so that the inverse stays finite.
+const float LS_SMALLEST_COMPONENT = 8.67361737988403547e-19; // 2^-60
+
+vec3 ls_inverse_direction(vec3 d)
+{
+    vec3 kept = mix(d, vec3(LS_SMALLEST_COMPONENT), lessThan(abs(d), vec3(LS_SMALLEST_COMPONENT)));
+    return 1.0 / kept;
+}
+
+// Moves an origin that lies farther than `reach` outside the object's box to where the ray enters it.
+// False if the ray misses the box.
+bool ls_move_far_origin(inout LsLocalRay ray, LsObject object)
+{
+    for (int step = 0; step < 2; step++)
+    {
+        precise vec3 below = object.lower - ray.origin;
+        precise vec3 above = ray.origin - object.upper;
+        float far = max(ls_max_component(below), ls_max_component(above));
+        if (!(far > object.reach))
+        {
+            return true;
+        }
+        float pad = far * 1.9073486328125e-06; // 2^-19
+        bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
+        precise vec3 lower = object.lower - pad;
+        precise vec3 upper = object.upper + pad;
+        vec3 outside = max(lower - ray.origin, ray.origin - upper);
+        if (ls_max_component(mix(vec3(0.0), outside, still)) > 0.0)
+        {
+            return false;
+        }
+        precise vec3 inverse = ls_inverse_direction(ray.direction);
+        precise vec3 a = (lower - ray.origin) * inverse;
+        precise vec3 b = (upper - ray.origin) * inverse;
+        vec3 near = mix(min(a, b), vec3(-LS_INFINITY), still);
+        vec3 leave = mix(max(a, b), vec3(LS_INFINITY), still);
+        float enter = max(ls_max_component(near), 0.0);
+        if (!(enter <= ls_min_component(leave)))
+        {
+            return false;
+        }
+        precise vec3 origin = ray.origin + ray.direction * enter;
+        precise float s0 = ray.s0 + enter;
+        ray.origin = origin;
+        ray.s0 = s0;
+    }
+    precise vec3 below = object.lower - ray.origin;
+    precise vec3 above = ray.origin - object.upper;
+    return !(max(ls_max_component(below), ls_max_component(above)) > object.reach);
+}
+
+// Finishes a ray whose origin and direction are in object space. False if it misses the object.
+bool ls_local_ray_finish(inout LsLocalRay local, LsObject object, float tmin, float tmax)
+{
+    local.scale = ls_direction_scale(local.direction);
+    local.direction *= ls_exact_inverse(local.scale);
+    local.s0 = 0.0;
+    local.smin = tmin * local.scale;
+    local.smax = tmax * local.scale;
+    vec3 size = abs(local.direction);
+    local.major = size.x >= size.y && size.x >= size.z ? 0u : (size.y >= size.z ? 1u : 2u);
+    return ls_move_far_origin(local, object);
+}
+
+// (kx, ky, kz) of SPEC 7.4 without the swap: it negates U, V, W and det together, which changes neither
+// the decision nor s, u, v.
+vec3 ls_permute(vec3 v, uint major)
+{
+    return major == 2u ? v : (major == 1u ? v.zxy : v.yzx);
+}
+
+// Tests one triangle and keeps it if it is the best so far. Returns whether it is a hit.
+bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, LsTriangle triangle, uint instance, uint object, uint flags)
+{
+    precise vec3 d = ls_permute(ray.direction, ray.major);
+    precise vec3 a = ls_permute(triangle.v0 - ray.origin, ray.major);
+    precise vec3 b = ls_permute(triangle.v1 - ray.origin, ray.major);
+    precise vec3 c = ls_permute(triangle.v2 - ray.origin, ray.major);
+    precise vec2 pa = a.xy * d.z - d.xy * a.z;
+    precise vec2 pb = b.xy * d.z - d.xy * b.z;
+    precise vec2 pc = c.xy * d.z - d.xy * c.z;
+    precise float u = pc.x * pb.y - pc.y * pb.x;
+    precise float v = pa.x * pc.y - pa.y * pc.x;
+    precise float w = pb.x * pa.y - pb.y * pa.x;
+    if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0)
+    {
+        return false;
+    }
+    precise float det = (u + v) + w;
+    if (det == 0.0)
+    {
+        return false;
+    }
+    precise float numerator = (u * a.z + v * b.z) + w * c.z;
+    precise float denominator = det * d.z;
+    precise float quotient = numerator / denominator;
+    precise float s = quotient + ray.s0;
+    if (!(s > ray.smin && s <= ray.smax))
+    {
+        return false;
+    }
+    if (s == ray.smax && (best.instance == LS_NONE || instance > best.instance ||
+                          (instance == best.instance && triangle.primitive > best.primitive)))
+    {
+        return false;
+    }
+    if ((flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) != 0u)
+    {
+        bool front = ((denominator > 0.0) != ray.mirrored);
+        if ((flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) != 0u)
+        {
+            return false;
+        }
+    }
+    precise float weight_u = v / det;
+    precise float weight_v = w / det;
+    ray.smax = s;
+    best.t = s * ls_exact_inverse(ray.scale);
+    best.u = weight_u;
+    best.v = weight_v;
+    best.instance = instance;
+    best.object = object;
+    best.primitive = triangle.primitive;
+    best.material = triangle.material;
+    return true;
+}
+
+#endif

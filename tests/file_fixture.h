@@ -1,0 +1,70 @@
+// file_fixture.h - a small made-up scene that uses every chunk, every kind of voxel and every width of
+// mask, for tests of the format. Its arrays obey every rule; its masks and distances describe no geometry.
+
+#ifndef LS_FILE_FIXTURE_H
+#define LS_FILE_FIXTURE_H
+
+// cmocka.h needs what stands before it.
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+
+#include "ls_write.h"
+
+#define LS_FIXTURE_TRIANGLES 43 // 2 in a list, 40 in a grid, 1 in a grid
+#define LS_FIXTURE_VOXELS 13
+#define LS_FIXTURE_REFERENCES 102
+#define LS_FIXTURE_SHAFT_WORDS 237
+
+typedef struct LsFixture
+{
+    LsFileDesc desc; // of the arrays below
+    LsObject objects[3];
+    LsInstance instances[4];
+    LsBvhNode top_nodes[7];
+    LsSceneNode nodes[3];
+    LsMaterial materials[2];
+    LsLight lights[2];
+    LsCamera cameras[1];
+    LsTriangle triangles[LS_FIXTURE_TRIANGLES];
+    uint32_t blocks[5];
+    LsCellBlock cell_blocks[6];
+    uint32_t subgrids[3];
+    LsVoxel voxels[LS_FIXTURE_VOXELS];
+    uint32_t references[LS_FIXTURE_REFERENCES];
+    LsBvhNode leaf_nodes[6];
+    uint32_t shafts[LS_FIXTURE_SHAFT_WORDS];
+} LsFixture;
+
+// Always the same scene.
+void ls_fixture_fill(LsFixture* fixture);
+
+// A whole file in writable memory, aligned to 4096; fails the test when it cannot be read.
+typedef struct LsFixtureBytes
+{
+    uint8_t* bytes;
+    uint64_t size;
+} LsFixtureBytes;
+
+// The bytes that ls_file_write makes of `desc`.
+LsFixtureBytes ls_fixture_bytes(const LsFileDesc* desc);
+LsFixtureBytes ls_fixture_read(const char* path);
+void ls_fixture_free(LsFixtureBytes* bytes);
+
+// Makes all hashes of an edited file right again, those of chunks that lie outside it excepted.
+void ls_fixture_rehash(const LsFixtureBytes* bytes);
+
+// An empty directory of this process, and its removal with the files in it.
+#define LS_SCRATCH_PATH 512
+void ls_scratch_create(char directory[LS_SCRATCH_PATH]);
+void ls_scratch_remove(const char* directory);
+uint32_t ls_scratch_count(const char* directory); // entries in it
+
+// Steps a state that must not be zero, and returns it: xorshift.
+uint64_t ls_random_next(uint64_t* state);
+
+#endif

@@ -1,0 +1,74 @@
+#include "gpu.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <string.h>
+
+static void require(LsResult result, const LsError* error)
+{
+    if (result != LS_OK)
+    {
+        fail_msg("%s", error->text);
+    }
+}
+
+void ls_gpu_open(LsGpu* gpu)
+{
+    *gpu = (LsGpu){0};
+    LsError error;
+    LsAppDeviceDesc desc = {0};
+    require(ls_app_device_create(&gpu->device, &desc, &error), &error);
+    LsContextDesc context = ls_app_context_desc(&gpu->device);
+    require(ls_context_create(&context, &gpu->context, &error), &error);
+    require(ls_app_tracer_create(&gpu->device, LS_GPU_BATCH, &gpu->tracer, &error), &error);
+}
+
+void ls_gpu_close(LsGpu* gpu)
+{
+    ls_app_tracer_destroy(&gpu->device, &gpu->tracer);
+    ls_context_destroy(gpu->context);
+    ls_app_device_destroy(&gpu->device);
+    *gpu = (LsGpu){0};
+}
+
+void ls_gpu_scene_open(LsGpu* gpu, LsGpuScene* scene, const char* path)
+{
+    *scene = (LsGpuScene){0};
+    LsError error;
+    require(ls_mapping_open(&scene->mapping, path, &error), &error);
+    require(ls_file_open(&scene->file, scene->mapping.bytes, scene->mapping.size, path, &error), &error);
+    require(ls_scene_create(gpu->context, &scene->file, path, &scene->scene, &error), &error);
+}
+
+void ls_gpu_scene_close(LsGpuScene* scene)
+{
+    ls_scene_destroy(scene->scene);
+    ls_mapping_close(&scene->mapping);
+    *scene = (LsGpuScene){0};
+}
+
+double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags, const LsRay* rays,
+                    const uint32_t* masks, uint64_t count, LsHit* hits)
+{
+    double total = 0;
+    for (uint64_t first = 0; first < count; first += LS_GPU_BATCH)
+    {
+        uint32_t batch = count - first < LS_GPU_BATCH ? (uint32_t)(count - first) : LS_GPU_BATCH;
+        memcpy(gpu->tracer.rays, rays + first, batch * sizeof(LsRay));
+        if (masks)
+        {
+            memcpy(gpu->tracer.masks, masks + first, batch * sizeof(uint32_t));
+        }
+        LsAppRun run = {.ray_count = batch, .flags = flags, .method = method, .use_masks = masks != NULL};
+        double seconds;
+        LsError error;
+        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error), &error);
+        memcpy(hits + first, gpu->tracer.hits, batch * sizeof(LsHit));
+        total += seconds;
+    }
+    return total;
+}

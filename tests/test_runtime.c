@@ -1,0 +1,650 @@
+// The runtime library on the smallest scenes: every hit is known, every failure is provoked.
+
+#include "fake_vulkan.h"
+#include "gpu.h"
+#include "small_scenes.h"
+
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static char folder[] = "/tmp/ls_test_runtime_XXXXXX";
+static char paths[LS_SMALL_COUNT][64];
+static LsGpu gpu;
+static const LsMethod METHODS[] = {LS_TRACE_EXACT, LS_TRACE_BRUTE};
+
+static int set_up(void** state)
+{
+    (void)state;
+    assert_non_null(mkdtemp(folder));
+    for (int i = 0; i < LS_SMALL_COUNT; i++)
+    {
+        snprintf(paths[i], sizeof(paths[i]), "%s/%d.lspace", folder, i);
+        ls_small_scene_write((LsSmallScene)i, paths[i]);
+    }
+    ls_gpu_open(&gpu);
+    return 0;
+}
+
+static int tear_down(void** state)
+{
+    (void)state;
+    ls_gpu_close(&gpu);
+    for (int i = 0; i < LS_SMALL_COUNT; i++)
+    {
+        unlink(paths[i]);
+    }
+    return rmdir(folder);
+}
+
+static LsRay make_ray(LsVec3 origin, LsVec3 direction)
+{
+    return (LsRay){.origin = origin, .direction = direction, .tmax = INFINITY};
+}
+
+// Down onto (x,y) of the plane z = 0, from z = 1.
+static LsRay ray_down(float x, float y)
+{
+    return make_ray((LsVec3){x, y, 1}, (LsVec3){0, 0, -1});
+}
+
+static const LsHit MISS = {
+    .t = -1,
+    .instance = LS_NONE,
+    .object = LS_NONE,
+    .primitive = LS_NONE,
+    .material = LS_NONE,
+};
+
+// All 32 bytes must be equal.
+static void check_hit(LsHit hit, LsHit expected)
+{
+    assert_float_equal(hit.t, expected.t, 0);
+    assert_float_equal(hit.u, expected.u, 0);
+    assert_float_equal(hit.v, expected.v, 0);
+    assert_int_equal(hit.instance, expected.instance);
+    assert_int_equal(hit.object, expected.object);
+    assert_int_equal(hit.primitive, expected.primitive);
+    assert_int_equal(hit.material, expected.material);
+    assert_memory_equal(&hit, &expected, sizeof(hit));
+}
+
+static LsHit trace_one(const LsGpuScene* scene, LsMethod method, uint32_t flags, LsRay ray)
+{
+    LsHit hit;
+    memset(&hit, 0xCC, sizeof(hit));
+    ls_gpu_trace(&gpu, scene, method, flags, &ray, NULL, 1, &hit);
+    return hit;
+}
+
+// ---- Answers --------------------------------------------------------------------------------------
+
+// In the quad's first triangle (0,0)(1,0)(1,1) a point is (u+v, v), in the second (0,0)(1,1)(0,1) it is (u, u+v).
+static void test_known_hits(void** state)
+{
+    (void)state;
+    for (int i = 0; i < 2; i++)
+    {
+        LsGpuScene scene;
+        ls_gpu_scene_open(&gpu, &scene, paths[i == 0 ? LS_SMALL_LIST : LS_SMALL_GRID]);
+        for (int m = 0; m < 2; m++)
+        {
+            check_hit(trace_one(&scene, METHODS[m], 0, ray_down(0.75f, 0.25f)),
+                      (LsHit){.t = 1, .u = 0.5f, .v = 0.25f, .primitive = 0, .material = 0});
+            check_hit(trace_one(&scene, METHODS[m], 0, ray_down(0.25f, 0.75f)),
+                      (LsHit){.t = 1, .u = 0.25f, .v = 0.5f, .primitive = 2, .material = 1});
+            // t counts in units of the direction as given.
+            LsRay fast = make_ray((LsVec3){0.75f, 0.25f, 3}, (LsVec3){0, 0, -12});
+            check_hit(trace_one(&scene, METHODS[m], 0, fast),
+                      (LsHit){.t = 0.25f, .u = 0.5f, .v = 0.25f, .primitive = 0, .material = 0});
+            // The shared edge: of equal t the lower primitive.
+            assert_int_equal(trace_one(&scene, METHODS[m], 0, ray_down(0.5f, 0.5f)).primitive, 0);
+        }
+        ls_gpu_scene_close(&scene);
+    }
+}
+
+static void test_hits_from_both_ends_of_a_grid(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_GRID]);
+    for (int m = 0; m < 2; m++)
+    {
+        LsRay up = make_ray((LsVec3){0.75f, 0.25f, -3}, (LsVec3){0, 0, 1});
+        check_hit(trace_one(&scene, METHODS[m], 0, up),
+                  (LsHit){.t = 2, .u = 0.5f, .v = 0.25f, .primitive = 3, .material = 0});
+        LsRay inside = make_ray((LsVec3){0.25f, 0.75f, -0.5f}, (LsVec3){0, 0, -1});
+        check_hit(trace_one(&scene, METHODS[m], 0, inside),
+                  (LsHit){.t = 0.5f, .u = 0.25f, .v = 0.5f, .primitive = 5, .material = 1});
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+static void test_interval_is_open(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_LIST]);
+    for (int m = 0; m < 2; m++)
+    {
+        LsRay ray = ray_down(0.75f, 0.25f);
+        ray.tmin = 1;
+        check_hit(trace_one(&scene, METHODS[m], 0, ray), MISS);
+        ray.tmin = nextafterf(1, 0);
+        assert_float_equal(trace_one(&scene, METHODS[m], 0, ray).t, 1, 0);
+        ray.tmin = 0;
+        ray.tmax = 1;
+        check_hit(trace_one(&scene, METHODS[m], 0, ray), MISS);
+        ray.tmax = nextafterf(1, 2);
+        assert_float_equal(trace_one(&scene, METHODS[m], 0, ray).t, 1, 0);
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+static void test_misses(void** state)
+{
+    (void)state;
+    const LsRay rays[] = {
+        ray_down(1.5f, 0.5f),
+        ray_down(-0.001f, 0.5f),
+        make_ray((LsVec3){0.5f, 0.5f, 1}, (LsVec3){0, 0, 1}),
+        make_ray((LsVec3){0.5f, 0.5f, 1}, (LsVec3){1, 0, 0}),
+        make_ray((LsVec3){-1, 0.5f, 0}, (LsVec3){1, 0, 0}), // within the plane
+    };
+    enum
+    {
+        COUNT = sizeof(rays) / sizeof(rays[0])
+    };
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_LIST]);
+    for (int m = 0; m < 2; m++)
+    {
+        LsHit hits[COUNT];
+        ls_gpu_trace(&gpu, &scene, METHODS[m], 0, rays, NULL, COUNT, hits);
+        for (int i = 0; i < COUNT; i++)
+        {
+            check_hit(hits[i], MISS);
+        }
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+// The ray that would hit, broken in one place at a time. SPEC 7.1.
+static void test_illegal_rays_miss(void** state)
+{
+    (void)state;
+    enum
+    {
+        NAN_COUNT = 8,
+        COUNT = NAN_COUNT + 13
+    };
+    LsRay rays[COUNT];
+    for (int i = 0; i < COUNT; i++)
+    {
+        rays[i] = ray_down(0.75f, 0.25f);
+    }
+    for (int i = 0; i < NAN_COUNT; i++)
+    {
+        ((float*)&rays[i])[i] = NAN;
+    }
+    LsRay* ray = rays + NAN_COUNT;
+    (ray++)->direction = (LsVec3){0, 0, 0};
+    (ray++)->direction = (LsVec3){0, 0, -0x1p-127f}; // below the smallest normal number: zero
+    (ray++)->direction = (LsVec3){0, 0, -INFINITY};
+    (ray++)->direction = (LsVec3){INFINITY, 0, -1};
+    (ray++)->origin.x = INFINITY;
+    (ray++)->origin.z = INFINITY;
+    (ray++)->origin.y = -INFINITY;
+    (ray++)->tmin = -1;
+    (ray++)->tmin = -INFINITY;
+    (ray++)->tmin = INFINITY;
+    (ray++)->tmax = 0;
+    (ray++)->tmax = -INFINITY;
+    ray->tmin = 2;
+    (ray++)->tmax = 0.5f;
+    assert_ptr_equal(ray, rays + COUNT);
+    for (int s = 0; s <= LS_SMALL_INSTANCES; s++)
+    {
+        LsGpuScene scene;
+        ls_gpu_scene_open(&gpu, &scene, paths[s]);
+        for (int m = 0; m < 2; m++)
+        {
+            LsHit hits[COUNT];
+            ls_gpu_trace(&gpu, &scene, METHODS[m], 0, rays, NULL, COUNT, hits);
+            for (int i = 0; i < COUNT; i++)
+            {
+                check_hit(hits[i], MISS);
+            }
+        }
+        ls_gpu_scene_close(&scene);
+    }
+}
+
+static void test_any_hit(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_GRID]);
+    for (int m = 0; m < 2; m++)
+    {
+        LsHit hit = trace_one(&scene, METHODS[m], LS_RAY_FLAG_ANY_HIT, ray_down(0.25f, 0.75f));
+        assert_true(hit.primitive == 2 || hit.primitive == 5);
+        check_hit(hit, (LsHit){.primitive = hit.primitive, .material = 1});
+        check_hit(trace_one(&scene, METHODS[m], LS_RAY_FLAG_ANY_HIT, ray_down(1.5f, 0.5f)), MISS);
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+// The quad's corners go counter-clockwise as seen from z > 0; a mirrored instance turns it round.
+static void test_culling(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_INSTANCES]);
+    const float x[3] = {0.75f, 11.5f, 20.25f};
+    for (uint32_t i = 0; i < 3; i++)
+    {
+        LsRay down = ray_down(x[i], 0.25f);
+        LsRay up = make_ray((LsVec3){x[i], 0.25f, -1}, (LsVec3){0, 0, 1});
+        LsRay front = i == 2 ? up : down;
+        LsRay back = i == 2 ? down : up;
+        for (int m = 0; m < 2; m++)
+        {
+            assert_int_equal(trace_one(&scene, METHODS[m], 0, front).instance, i);
+            assert_int_equal(trace_one(&scene, METHODS[m], 0, back).instance, i);
+            assert_int_equal(trace_one(&scene, METHODS[m], LS_RAY_FLAG_CULL_BACK_FACING, front).instance, i);
+            check_hit(trace_one(&scene, METHODS[m], LS_RAY_FLAG_CULL_BACK_FACING, back), MISS);
+            check_hit(trace_one(&scene, METHODS[m], LS_RAY_FLAG_CULL_FRONT_FACING, front), MISS);
+            assert_int_equal(trace_one(&scene, METHODS[m], LS_RAY_FLAG_CULL_FRONT_FACING, back).instance, i);
+        }
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+static void test_instances_and_masks(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_INSTANCES]);
+    const LsRay targets[3] = {ray_down(0.75f, 0.25f), ray_down(11.5f, 0.5f), ray_down(20.25f, 0.25f)};
+    const LsHit expected = {.t = 1, .u = 0.5f, .v = 0.25f};
+    LsRay rays[24];
+    uint32_t masks[24];
+    for (uint32_t i = 0; i < 24; i++)
+    {
+        rays[i] = targets[i / 8];
+        masks[i] = i % 8;
+    }
+    for (int m = 0; m < 2; m++)
+    {
+        LsHit hits[24];
+        ls_gpu_trace(&gpu, &scene, METHODS[m], 0, rays, masks, 24, hits);
+        for (uint32_t i = 0; i < 24; i++)
+        {
+            LsHit hit = expected;
+            hit.instance = i / 8;
+            check_hit(hits[i], masks[i] & 1u << i / 8 ? hit : MISS);
+        }
+        // Without the array every ray sees every instance.
+        ls_gpu_trace(&gpu, &scene, METHODS[m], 0, rays, NULL, 24, hits);
+        for (uint32_t i = 0; i < 24; i++)
+        {
+            assert_int_equal(hits[i].instance, i / 8);
+        }
+    }
+    ls_gpu_scene_close(&scene);
+}
+
+static void test_no_rays(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_LIST]);
+    memset(gpu.tracer.output.mapped, 0xCC, sizeof(LsHit));
+    uint8_t untouched[sizeof(LsHit)];
+    memset(untouched, 0xCC, sizeof(untouched));
+    LsAppRun run = {.ray_count = 0};
+    LsError error;
+    assert_int_equal(ls_app_tracer_run(&gpu.device, &gpu.tracer, scene.scene, &run, NULL, &error), LS_OK);
+    assert_memory_equal(gpu.tracer.output.mapped, untouched, sizeof(untouched));
+    ls_gpu_scene_close(&scene);
+}
+
+static void test_facts_of_a_scene(void** state)
+{
+    (void)state;
+    const uint64_t features[] = {
+        LS_FEATURE_LISTS,
+        LS_FEATURE_GRIDS | LS_FEATURE_MASKS,
+        LS_FEATURE_TOP_LEVEL | LS_FEATURE_LISTS,
+    };
+    const uint64_t bytes[] = {
+        sizeof(LsDeviceScene) + 144 + 128 + 2 * 48 + 2 * 48,
+        sizeof(LsDeviceScene) + 144 + 128 + 2 * 48 + 4 * 48 + 4 + 256 + 16 + 4 * 4 + 2 * 4,
+        sizeof(LsDeviceScene) + 144 + 3 * 128 + 5 * 32 + 2 * 48 + 2 * 48,
+    };
+    for (int i = 0; i <= LS_SMALL_INSTANCES; i++)
+    {
+        LsGpuScene scene;
+        ls_gpu_scene_open(&gpu, &scene, paths[i]);
+        assert_int_equal(ls_scene_features(scene.scene), features[i]);
+        assert_int_equal(ls_scene_device_bytes(scene.scene), bytes[i]);
+        assert_true(ls_scene_address(scene.scene) != 0);
+        ls_gpu_scene_close(&scene);
+    }
+}
+
+// ---- Wrong calls and wrong files ---------------------------------------------------------------------
+
+static void test_wrong_arguments(void** state)
+{
+    (void)state;
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_LIST]);
+    const LsTraceDesc good = {
+        .rays = gpu.tracer.input.address,
+        .hits = gpu.tracer.output.address,
+        .ray_count = 1,
+    };
+    LsTraceDesc wrong[9];
+    for (int i = 0; i < 9; i++)
+    {
+        wrong[i] = good;
+    }
+    wrong[0].times = 16;
+    wrong[1].flags = 8;
+    wrong[2].method = (LsMethod)2;
+    wrong[3].rays = 0;
+    wrong[4].hits = 0;
+    wrong[5].rays += 8;
+    wrong[6].hits += 8;
+    wrong[7].masks = 2;
+    wrong[8].ray_count = (1u << 31) + 1;
+    LsError error;
+    VkCommandBuffer commands;
+    assert_int_equal(ls_app_commands_begin(&gpu.device, &commands, &error), LS_OK);
+    for (int i = 0; i < 9; i++)
+    {
+        assert_int_equal(ls_trace_record(scene.scene, commands, &wrong[i], &error), LS_ERROR_ARGUMENT);
+        assert_int_equal(ls_trace_record(scene.scene, commands, &wrong[i], NULL), LS_ERROR_ARGUMENT);
+    }
+    assert_int_equal(ls_trace_record(scene.scene, commands, &good, &error), LS_OK);
+    assert_int_equal(ls_app_commands_submit(&gpu.device, commands, &error), LS_OK);
+    ls_gpu_scene_close(&scene);
+}
+
+// A file whose header is right and whose contents break a rule is refused before anything is uploaded.
+static void test_broken_rule(void** state)
+{
+    (void)state;
+    LsMapping mapping;
+    LsError error;
+    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
+    uint8_t* bytes = aligned_alloc(4096, (mapping.size + 4095) / 4096 * 4096);
+    assert_non_null(bytes);
+    memcpy(bytes, mapping.bytes, mapping.size);
+    LsFile file;
+    assert_int_equal(ls_file_open(&file, bytes, mapping.size, "broken.lspace", &error), LS_OK);
+    ((LsTriangle*)(bytes + file.chunk_entries[LS_CHUNK_TRIANGLES]->offset))->material = 2;
+    LsScene* scene = (LsScene*)bytes;
+    assert_int_equal(ls_scene_create(gpu.context, &file, "broken.lspace", &scene, &error), LS_ERROR_RULE);
+    assert_null(scene);
+    assert_non_null(strstr(error.text, "broken.lspace"));
+    assert_non_null(strstr(error.text, "R4.4"));
+    free(bytes);
+    ls_mapping_close(&mapping);
+}
+
+// ---- Devices as they may be ----------------------------------------------------------------------------
+
+static LsContextDesc fake_desc(LsFakeVulkan fake)
+{
+    ls_fake_vulkan = fake;
+    LsContextDesc desc = ls_app_context_desc(&gpu.device);
+    desc.get_instance_proc_addr = ls_fake_get_instance_proc_addr;
+    return desc;
+}
+
+// A context through the fake, beside the real one.
+static void open_faked(LsGpu* faked, LsFakeVulkan fake)
+{
+    *faked = gpu;
+    LsContextDesc desc = fake_desc(fake);
+    LsError error;
+    if (ls_context_create(&desc, &faked->context, &error) != LS_OK)
+    {
+        fail_msg("%s", error.text);
+    }
+}
+
+static void close_faked(LsGpu* faked)
+{
+    ls_context_destroy(faked->context);
+    assert_int_equal(ls_fake_vulkan.live_objects, 0);
+}
+
+static void test_many_dispatches(void** state)
+{
+    (void)state;
+    LsGpu faked;
+    open_faked(&faked, (LsFakeVulkan){.max_group_count = 3});
+    LsGpuScene scene;
+    ls_gpu_scene_open(&faked, &scene, paths[LS_SMALL_INSTANCES]);
+    enum
+    {
+        COUNT = 1000
+    };
+    LsRay rays[COUNT];
+    uint32_t masks[COUNT];
+    for (uint32_t i = 0; i < COUNT; i++)
+    {
+        rays[i] = ray_down((float)(i % 22) + 0.75f, 0.25f);
+        masks[i] = i % 5;
+    }
+    LsHit hits[2][COUNT];
+    ls_gpu_trace(&faked, &scene, LS_TRACE_EXACT, 0, rays, masks, COUNT, hits[0]);
+    assert_int_equal(ls_fake_vulkan.dispatch_count, 11); // of 96 rays
+    ls_gpu_scene_close(&scene);
+    close_faked(&faked);
+
+    ls_gpu_scene_open(&gpu, &scene, paths[LS_SMALL_INSTANCES]);
+    ls_gpu_trace(&gpu, &scene, LS_TRACE_EXACT, 0, rays, masks, COUNT, hits[1]);
+    ls_gpu_scene_close(&scene);
+    uint32_t hit_count = 0;
+    for (uint32_t i = 0; i < COUNT; i++)
+    {
+        check_hit(hits[0][i], hits[1][i]);
+        hit_count += hits[0][i].instance != LS_NONE;
+    }
+    assert_int_equal(hit_count, 82); // by the pattern of x and masks
+}
+
+// Where the device has memory of its own the file goes through the staging ring, several times round.
+static void test_staging(void** state)
+{
+    (void)state;
+    LsGpu faked;
+    open_faked(&faked, (LsFakeVulkan){.separate_memory = true});
+    LsGpuScene scene;
+    ls_gpu_scene_open(&faked, &scene, paths[LS_SMALL_LARGE]);
+    assert_int_equal(ls_fake_vulkan.copy_count, 3 + 4 + 1); // three small arrays, 27 MiB of triangles, the table
+    assert_int_equal(ls_fake_vulkan.submit_count, ls_fake_vulkan.copy_count);
+
+    // Triangles at the seams of 8 MiB pieces, at both ends and between.
+    const uint32_t seam = (8u << 20) / sizeof(LsTriangle);
+    const uint32_t last = LS_LARGE_SIDE * LS_LARGE_SIDE - 1;
+    const uint32_t picked[] = {0,        1,        seam - 1,     seam,         seam + 1,     2 * seam - 1,   2 * seam,
+                               2 * seam + 1, 2 * seam + 2, 3 * seam - 1, 3 * seam, 3 * seam + 1, 3 * seam + 2, 3 * seam + 3,
+                               last / 2, last - 1, last};
+    enum
+    {
+        COUNT = sizeof(picked) / sizeof(picked[0])
+    };
+    LsRay rays[COUNT];
+    LsHit hits[COUNT];
+    for (int i = 0; i < COUNT; i++)
+    {
+        float x = (float)(picked[i] % LS_LARGE_SIDE);
+        float y = (float)(picked[i] / LS_LARGE_SIDE);
+        rays[i] = ray_down(x + 0.25f, y + 0.5f);
+    }
+    ls_gpu_trace(&faked, &scene, LS_TRACE_EXACT, 0, rays, NULL, COUNT, hits);
+    for (int i = 0; i < COUNT; i++)
+    {
+        check_hit(hits[i],
+                  (LsHit){.t = 1, .u = 0.25f, .v = 0.5f, .primitive = picked[i], .material = picked[i] % 2});
+    }
+    ls_gpu_scene_close(&scene);
+    close_faked(&faked);
+}
+
+static void check_context_refused(LsFakeVulkan fake, LsResult expected, const char* named)
+{
+    LsContextDesc desc = fake_desc(fake);
+    LsContext* context = (LsContext*)&desc;
+    LsError error;
+    assert_int_equal(ls_context_create(&desc, &context, &error), expected);
+    assert_null(context);
+    assert_non_null(strstr(error.text, named));
+    assert_null(strchr(error.text, '\n'));
+    assert_int_equal(ls_fake_vulkan.live_objects, 0);
+}
+
+static void test_devices_that_lack_something(void** state)
+{
+    (void)state;
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE, "bufferDeviceAddress");
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE, gpu.device.name);
+    check_context_refused((LsFakeVulkan){.no_compute = true}, LS_ERROR_DEVICE_FEATURE, "cannot compute");
+    check_context_refused((LsFakeVulkan){.api_version = VK_API_VERSION_1_1}, LS_ERROR_DEVICE_FEATURE, "1.1");
+    check_context_refused((LsFakeVulkan){.missing_function = "vkGetDeviceProcAddr"}, LS_ERROR_DEVICE,
+                          "vkGetDeviceProcAddr");
+    check_context_refused((LsFakeVulkan){.missing_function = "vkCmdDispatch"}, LS_ERROR_DEVICE, "vkCmdDispatch");
+}
+
+static void test_array_larger_than_a_buffer(void** state)
+{
+    (void)state;
+    LsGpu faked;
+    open_faked(&faked, (LsFakeVulkan){.max_allocation_bytes = 16 << 20});
+    LsMapping mapping;
+    LsFile file;
+    LsError error;
+    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LARGE], &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error), LS_OK);
+    LsScene* scene;
+    assert_int_equal(ls_scene_create(faked.context, &file, "large.lspace", &scene, &error), LS_ERROR_DEVICE_MEMORY);
+    assert_null(scene);
+    assert_non_null(strstr(error.text, "large.lspace: TRIANGLES takes 27.0 MiB"));
+    assert_non_null(strstr(error.text, "16.0 MiB"));
+    ls_mapping_close(&mapping);
+    close_faked(&faked);
+}
+
+// Creates and destroys a context and a scene. Whatever fails, nothing may be left.
+static LsResult run_once(const LsContextDesc* desc, const LsFile* file, LsError* error)
+{
+    LsContext* context;
+    LsResult result = ls_context_create(desc, &context, error);
+    if (result != LS_OK)
+    {
+        assert_null(context);
+        return result;
+    }
+    LsScene* scene;
+    result = ls_scene_create(context, file, "small.lspace", &scene, error);
+    if (result != LS_OK)
+    {
+        assert_null(scene);
+    }
+    ls_scene_destroy(scene);
+    ls_context_destroy(context);
+    return result;
+}
+
+// Lets the first call fail, then the second, and so on until none is left to fail.
+static uint32_t fail_each_call(bool separate_memory)
+{
+    static const struct
+    {
+        VkResult code;
+        LsResult result;
+    } FAILURES[] = {
+        {VK_ERROR_OUT_OF_DEVICE_MEMORY, LS_ERROR_DEVICE_MEMORY},
+        {VK_ERROR_OUT_OF_HOST_MEMORY, LS_ERROR_MEMORY},
+        {VK_ERROR_DEVICE_LOST, LS_ERROR_DEVICE_LOST},
+        {VK_ERROR_INITIALIZATION_FAILED, LS_ERROR_DEVICE},
+    };
+    LsMapping mapping;
+    LsFile file;
+    LsError error;
+    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error), LS_OK);
+    uint32_t n = 0;
+    for (;; n++)
+    {
+        LsFakeVulkan fake = {
+            .count_down = true,
+            .remaining_calls = n,
+            .failure = FAILURES[n % 4].code,
+            .separate_memory = separate_memory,
+        };
+        LsContextDesc desc = fake_desc(fake);
+        LsResult result = run_once(&desc, &file, &error);
+        assert_int_equal(ls_fake_vulkan.live_objects, 0);
+        if (!ls_fake_vulkan.failed_call)
+        {
+            assert_int_equal(result, LS_OK);
+            break;
+        }
+        assert_int_equal(result, FAILURES[n % 4].result);
+        assert_int_equal(error.result, result);
+        assert_non_null(strstr(error.text, ls_fake_vulkan.failed_call));
+        assert_null(strchr(error.text, '\n'));
+    }
+    ls_mapping_close(&mapping);
+    return n;
+}
+
+static void test_each_call_fails_once(void** state)
+{
+    (void)state;
+    // Two calls for the shader, two pipelines; five buffers of four calls each.
+    assert_int_equal(fail_each_call(false), 2 + 2 + 5 * 4);
+    // Nothing is mapped but the ring (four calls, pool, commands, three fences); each array is begun, ended,
+    // submitted; five waits and resets, for the ring has three slots.
+    assert_int_equal(fail_each_call(true), 2 + 2 + 5 * 3 + 4 + 1 + 1 + 3 + 5 * 3 + 5 * 2);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known_hits),
+        cmocka_unit_test(test_hits_from_both_ends_of_a_grid),
+        cmocka_unit_test(test_interval_is_open),
+        cmocka_unit_test(test_misses),
+        cmocka_unit_test(test_illegal_rays_miss),
+        cmocka_unit_test(test_any_hit),
+        cmocka_unit_test(test_culling),
+        cmocka_unit_test(test_instances_and_masks),
+        cmocka_unit_test(test_no_rays),
+        cmocka_unit_test(test_facts_of_a_scene),
+        cmocka_unit_test(test_wrong_arguments),
+        cmocka_unit_test(test_broken_rule),
+        cmocka_unit_test(test_many_dispatches),
+        cmocka_unit_test(test_staging),
+        cmocka_unit_test(test_devices_that_lack_something),
+        cmocka_unit_test(test_array_larger_than_a_buffer),
+        cmocka_unit_test(test_each_call_fails_once),
+    };
+    return cmocka_run_group_tests(tests, set_up, tear_down);
+}
