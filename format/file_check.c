@@ -1012,8 +1012,8 @@ LsResult ls_file_check(const LsFile* file, const char* name, LsError* error)
 {
     // In an order in which each step may follow the indices that those before it have checked.
     static LsResult (*const scene_steps[])(const Check*) = {
-        check_presence,  check_features,  check_objects, check_materials,
-        check_instances, check_top_nodes, check_nodes,   check_cameras,
+        check_presence, check_objects,   check_materials, check_instances,
+        check_features, check_top_nodes, check_nodes,     check_cameras,
     };
     static LsResult (*const object_steps[])(const Check*, uint32_t) = {
         check_triangles,

@@ -99,9 +99,11 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
 static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk, LsContext* context,
                                LsError* error)
 {
-    // A driver of Vulkan 1.2 leaves the last struct alone, and with it the zero.
     VkPhysicalDeviceMaintenance4Properties buffers = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES,
+    };
+    VkPhysicalDeviceDriverProperties driver = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
     };
     VkPhysicalDeviceMaintenance3Properties allocations = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,
@@ -119,16 +121,16 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
                             "GPU %s has Vulkan %u.%u, but 1.2 is needed: update its driver", device_name,
                             VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
     }
-    if (version >= VK_API_VERSION_1_3)
-    {
-        allocations.pNext = &buffers;
-        vk->GetPhysicalDeviceProperties2(desc->physical_device, &properties);
-    }
+    allocations.pNext = &driver;
+    driver.pNext = version >= VK_API_VERSION_1_3 ? &buffers : NULL;
+    vk->GetPhysicalDeviceProperties2(desc->physical_device, &properties);
     context->max_buffer_bytes = allocations.maxMemoryAllocationSize;
     if (buffers.maxBufferSize != 0 && buffers.maxBufferSize < context->max_buffer_bytes)
     {
         context->max_buffer_bytes = buffers.maxBufferSize;
     }
+    // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
+    context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];
 
     // The device must have been created with it; that it could have been is all one can ask afterwards.

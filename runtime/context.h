@@ -53,6 +53,7 @@ struct LsContext
     VkPhysicalDeviceMemoryProperties memory;
     VkDeviceSize max_buffer_bytes; // largest buffer with memory of its own
     uint32_t max_group_count;      // work groups of one dispatch
+    uint64_t max_loop_rounds;      // of one shader invocation, all loops together
     bool unified;                  // all memory is near the device and the host maps it
     VkShaderModule trace_shader;
     VkPipelineLayout trace_layout;

@@ -81,6 +81,17 @@ static VkDeviceSize find_largest_upload(const LsFile* file)
     return largest;
 }
 
+static uint64_t count_brute_rounds(const LsFile* file)
+{
+    uint64_t rounds = 0;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
+    {
+        uint64_t triangles = file->objects[file->instances[i].object].triangle_count;
+        rounds += 1 + (triangles + LS_BRUTE_ROUND - 1) / LS_BRUTE_ROUND;
+    }
+    return rounds;
+}
+
 static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name, LsError* error)
 {
     LsUpload upload;
@@ -113,6 +124,7 @@ LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* nam
     }
     made->context = context;
     made->features = file->header->required_features;
+    made->brute_rounds = count_brute_rounds(file);
     result = fill_scene(made, file, name, error);
     if (result != LS_OK)
     {

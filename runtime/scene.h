@@ -13,6 +13,7 @@ struct LsScene
     LsBuffer table;                  // LsDeviceScene
     VkPipeline pipelines[2];         // by LsMethod
     uint64_t device_bytes;
+    uint64_t brute_rounds; // of loops when a ray tests every triangle of every instance
 };
 
 #endif

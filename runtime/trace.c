@@ -45,6 +45,12 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
         return result;
     }
     const LsContext* context = scene->context;
+    if (desc->method == LS_TRACE_BRUTE && scene->brute_rounds > context->max_loop_rounds)
+    {
+        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+                            "trace: llvmpipe ends loops after 65535 rounds, too few for brute force over this scene: "
+                            "choose a GPU or trace exactly");
+    }
     context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, scene->pipelines[desc->method]);
 
     // One dispatch takes as many rays as the device allows work groups, but few enough that 32 bits hold

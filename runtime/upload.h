@@ -9,7 +9,7 @@
 #include "buffer.h"
 
 #define LS_UPLOAD_SLOTS 3
-#define LS_UPLOAD_SLOT_BYTES ((VkDeviceSize)8 << 20)
+#define LS_UPLOAD_SLOT_BYTES ((VkDeviceSize)4 << 20)
 
 typedef struct LsUpload
 {

@@ -24,36 +24,42 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_tria
                         uint instance, uint object, uint flags)
 {
     LsWordArray references = LsWordArray(ls_scene.references);
-    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
     while (mask != 0u)
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
-        uint index = references.at[first_reference + bit];
-        if (ls_test_triangle(ray, best, triangles.at[first_triangle + index], instance, object, flags))
+        uint number = references.at[first_reference + bit];
+        if (ls_test_triangle(ray, best, first_triangle, number, instance, object, flags) &&
+            (flags & LS_RAY_FLAG_ANY_HIT) != 0u)
         {
-            best.triangle = index;
-            if ((flags & LS_RAY_FLAG_ANY_HIT) != 0u)
-            {
-                return true;
-            }
+            return true;
         }
     }
     return false;
 }
 
+// Tests four triangles of an object, or its last again: a triangle tested twice changes nothing.
+bool ls_test_four(inout LsLocalRay ray, inout LsBest best, LsObject object, uint number, uint instance,
+                  uint object_index, uint flags)
+{
+    uint last = object.triangle_count - 1u;
+    bool hit = ls_test_triangle(ray, best, object.first_triangle, number, instance, object_index, flags);
+    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 1u, last), instance, object_index, flags) || hit;
+    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 2u, last), instance, object_index, flags) || hit;
+    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 3u, last), instance, object_index, flags) || hit;
+    return hit && (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+}
+
+// Tests all triangles of an object, LS_BRUTE_ROUND a round: llvmpipe (Mesa 22.3) ends all loops of an invocation, without a word,
+// after 65535 rounds in sum.
 bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
 {
-    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    for (uint i = 0u; i < object.triangle_count; i++)
+    for (uint i = 0u; i < object.triangle_count; i += LS_BRUTE_ROUND)
     {
-        if (ls_test_triangle(ray, best, triangles.at[object.first_triangle + i], instance, object_index, flags))
+        if (ls_test_four(ray, best, object, i, instance, object_index, flags) ||
+            ls_test_four(ray, best, object, min(i + 4u, object.triangle_count - 1u), instance, object_index, flags))
         {
-            best.triangle = i;
-            if ((flags & LS_RAY_FLAG_ANY_HIT) != 0u)
-            {
-                return true;
-            }
+            return true;
         }
     }
     return false;

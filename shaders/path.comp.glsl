@@ -126,96 +126,114 @@ vec3 camera_direction(uvec2 pixel, vec2 jitter)
                 dot(params.world_from_camera[2].xyz, way));
 }
 
-// Radiance along one path.
-vec3 trace_path(uvec2 pixel, uint sample_index)
+// A path under way.
+struct LsPath
 {
-    uint number = pixel.y * params.width + pixel.x;
-    vec3 origin = vec3(params.world_from_camera[0].w, params.world_from_camera[1].w, params.world_from_camera[2].w);
-    vec3 direction = camera_direction(pixel, ls_random(number, sample_index, 0u, params.seed).xy);
-    vec3 radiance = vec3(0.0);
-    vec3 throughput = vec3(1.0);
-    float density_bounce = 0.0;
+    vec3 origin;
+    vec3 direction; // unit from the second segment on
+    vec3 throughput;
+    vec3 radiance;
+    float density_bounce; // with which `direction` was drawn
+    uint segment;         // number of the segment to trace next, from 1
+};
 
-    for (uint segment = 1u;; segment++)
+LsPath begin_path(uvec2 pixel, uint number, uint sample_index)
+{
+    LsPath path;
+    path.origin = vec3(params.world_from_camera[0].w, params.world_from_camera[1].w, params.world_from_camera[2].w);
+    path.direction = camera_direction(pixel, ls_random(number, sample_index, 0u, params.seed).xy);
+    path.throughput = vec3(1.0);
+    path.radiance = vec3(0.0);
+    path.density_bounce = 0.0;
+    path.segment = 1u;
+    return path;
+}
+
+// Traces the next segment and what light reaches its end. False if the path ends there.
+bool extend_path(inout LsPath path, uint number, uint sample_index)
+{
+    LsHit hit = trace(path.origin, path.direction, LS_INFINITY, 0u);
+    if (hit.instance == LS_NONE)
     {
-        LsHit hit = trace(origin, direction, LS_INFINITY, 0u);
-        if (hit.instance == LS_NONE)
-        {
-            // Without lights the surroundings are white, with lights they are black.
-            return LS_HAS_LIGHTS != 0u ? radiance : throughput;
-        }
-        LsSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
-        LsMaterial material = LsMaterialArray(ls_scene.materials).at[hit.material];
-        vec3 normal = dot(surface.normal, direction) < 0.0 ? surface.normal : -surface.normal;
-
-        if (LS_HAS_LIGHTS != 0u && (material.flags & LS_MATERIAL_EMISSIVE) != 0u)
-        {
-            float weight = 1.0;
-            if (segment > 1u)
-            {
-                // Against k d^2 / cos_light, as in sample_lights; directions of bounces are unit.
-                float k = params.light_density * luminance(material.emission);
-                float bounce = density_bounce * abs(dot(normal, direction));
-                weight = bounce / (bounce + k * hit.t * hit.t);
-            }
-            radiance += throughput * weight * emitted(material, surface, direction);
-        }
-        if (segment >= params.depth)
-        {
-            return radiance;
-        }
-
-        vec4 random = ls_random(number, sample_index, 2u * segment - 1u, params.seed);
-        throughput *= material.base_color;
-        if (LS_HAS_LIGHTS != 0u)
-        {
-            radiance += throughput * sample_lights(surface, normal, random.xyz);
-        }
-        float survival = max(throughput.x, max(throughput.y, throughput.z));
-        if (segment >= LS_ROULETTE_SEGMENTS)
-        {
-            survival = min(survival, 1.0);
-            if (!(random.w < survival))
-            {
-                return radiance;
-            }
-            throughput /= survival;
-        }
-        else if (survival == 0.0)
-        {
-            return radiance;
-        }
-
-        random = ls_random(number, sample_index, 2u * segment, params.seed);
-        direction = ls_sample_hemisphere(normal, random.xy);
-        density_bounce = sqrt(1.0 - random.x) / LS_PI;
-        origin = surface.position + normal * surface.error;
+        // Without lights the surroundings are white, with lights they are black.
+        path.radiance += LS_HAS_LIGHTS != 0u ? vec3(0.0) : path.throughput;
+        return false;
     }
+    LsSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
+    LsMaterial material = LsMaterialArray(ls_scene.materials).at[hit.material];
+    vec3 normal = dot(surface.normal, path.direction) < 0.0 ? surface.normal : -surface.normal;
+
+    if (LS_HAS_LIGHTS != 0u && (material.flags & LS_MATERIAL_EMISSIVE) != 0u)
+    {
+        float weight = 1.0;
+        if (path.segment > 1u)
+        {
+            // Against k d^2 / cos_light, as in sample_lights.
+            float k = params.light_density * luminance(material.emission);
+            float bounce = path.density_bounce * abs(dot(normal, path.direction));
+            weight = bounce / (bounce + k * hit.t * hit.t);
+        }
+        path.radiance += path.throughput * weight * emitted(material, surface, path.direction);
+    }
+    if (path.segment >= params.depth)
+    {
+        return false;
+    }
+
+    vec4 random = ls_random(number, sample_index, 2u * path.segment - 1u, params.seed);
+    path.throughput *= material.base_color;
+    if (LS_HAS_LIGHTS != 0u)
+    {
+        path.radiance += path.throughput * sample_lights(surface, normal, random.xyz);
+    }
+    float survival = min(max(path.throughput.x, max(path.throughput.y, path.throughput.z)), 1.0);
+    if (path.segment >= LS_ROULETTE_SEGMENTS)
+    {
+        if (!(random.w < survival))
+        {
+            return false;
+        }
+        path.throughput /= survival;
+    }
+
+    random = ls_random(number, sample_index, 2u * path.segment, params.seed);
+    path.direction = ls_sample_hemisphere(normal, random.xy);
+    path.density_bounce = sqrt(1.0 - random.x) / LS_PI;
+    path.origin = surface.position + normal * surface.error;
+    path.segment++;
+    return survival > 0.0;
 }
 
 // The running average of F.-L. Schröder 2017, equation 8, C' = s/(s+1) C + 1/(s+1) C_trace, written so that a
-// constant stays itself.
+// constant stays itself. A sample that is not finite counts as black and is reported.
 vec3 average(vec3 mean, vec3 value, uint count)
 {
+    if (!ls_is_finite(value))
+    {
+        atomicAdd(LsCounters(params.counters).counters.invalid_samples, 1u);
+        value = vec3(0.0);
+    }
     return mean + (value - mean) / float(count + 1u);
 }
 
+// One loop over the segments of all paths: who has ended a path begins the next while neighbours go on.
 void add_samples(uvec2 pixel)
 {
     LsImage image = LsImage(params.image);
-    uint index = pixel.y * params.width + pixel.x;
-    vec3 mean = params.first_sample == 0u ? vec3(0.0) : image.at[index].rgb;
-    for (uint i = 0u; i < params.sample_count; i++)
+    uint number = pixel.y * params.width + pixel.x;
+    uint sample_index = params.first_sample;
+    vec3 mean = sample_index == 0u ? vec3(0.0) : image.at[number].rgb;
+    LsPath path = begin_path(pixel, number, sample_index);
+    while (sample_index - params.first_sample < params.sample_count)
     {
-        vec3 value = trace_path(pixel, params.first_sample + i);
-        if (!ls_is_finite(value))
+        if (!extend_path(path, number, sample_index))
         {
-            atomicAdd(LsCounters(params.counters).counters.invalid_samples, 1u);
-            value = vec3(0.0);
+            mean = average(mean, path.radiance, sample_index);
+            sample_index++;
+            path = begin_path(pixel, number, sample_index);
         }
-        mean = average(mean, value, params.first_sample + i);
     }
-    image.at[index] = vec4(mean, 1.0);
+    image.at[number] = vec4(mean, 1.0);
 }
 
 void main()

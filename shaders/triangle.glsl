@@ -159,13 +159,17 @@ vec3 ls_permute(vec3 v, uint major)
     return major == 2u ? v : (major == 1u ? v.zxy : v.yzx);
 }
 
-// Tests one triangle and keeps it if it is the best so far. Returns whether it is a hit.
-bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, LsTriangle triangle, uint instance, uint object, uint flags)
+// Tests triangle `number` of an object whose triangles begin at `first`, and keeps it if it is the best so far. Returns
+// whether it is. What only a hit needs is loaded only then.
+bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint number, uint instance, uint object,
+                      uint flags)
 {
+    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    uint index = first + number;
     precise vec3 d = ls_permute(ray.direction, ray.major);
-    precise vec3 a = ls_permute(triangle.v0 - ray.origin, ray.major);
-    precise vec3 b = ls_permute(triangle.v1 - ray.origin, ray.major);
-    precise vec3 c = ls_permute(triangle.v2 - ray.origin, ray.major);
+    precise vec3 a = ls_permute(triangles.at[index].v0 - ray.origin, ray.major);
+    precise vec3 b = ls_permute(triangles.at[index].v1 - ray.origin, ray.major);
+    precise vec3 c = ls_permute(triangles.at[index].v2 - ray.origin, ray.major);
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
@@ -189,8 +193,9 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, LsTriangle triang
     {
         return false;
     }
+    uint primitive = triangles.at[index].primitive;
     if (s == ray.smax && (best.instance == LS_NONE || instance > best.instance ||
-                          (instance == best.instance && triangle.primitive > best.primitive)))
+                          (instance == best.instance && primitive > best.primitive)))
     {
         return false;
     }
@@ -210,8 +215,9 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, LsTriangle triang
     best.v = weight_v;
     best.instance = instance;
     best.object = object;
-    best.primitive = triangle.primitive;
-    best.material = triangle.material;
+    best.primitive = primitive;
+    best.triangle = number;
+    best.material = triangles.at[index].material;
     return true;
 }
 

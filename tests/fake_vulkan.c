@@ -1,5 +1,8 @@
+#define _GNU_SOURCE // RTLD_NEXT
+
 #include "fake_vulkan.h"
 
+#include <dlfcn.h>
 #include <string.h>
 
 LsFakeVulkan ls_fake_vulkan;
@@ -151,6 +154,10 @@ static void VKAPI_CALL fake_GetPhysicalDeviceProperties2(VkPhysicalDevice physic
     }
     for (VkBaseOutStructure* next = properties->pNext; next; next = next->pNext)
     {
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES && ls_fake_vulkan.driver)
+        {
+            ((VkPhysicalDeviceDriverProperties*)next)->driverID = ls_fake_vulkan.driver;
+        }
         if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES &&
             ls_fake_vulkan.max_allocation_bytes)
         {
@@ -160,11 +167,8 @@ static void VKAPI_CALL fake_GetPhysicalDeviceProperties2(VkPhysicalDevice physic
     }
 }
 
-static PFN_vkGetPhysicalDeviceFeatures2 driver_GetPhysicalDeviceFeatures2;
-static void VKAPI_CALL fake_GetPhysicalDeviceFeatures2(VkPhysicalDevice physical_device,
-                                                       VkPhysicalDeviceFeatures2* features)
+static void take_features(VkPhysicalDeviceFeatures2* features)
 {
-    driver_GetPhysicalDeviceFeatures2(physical_device, features);
     for (VkBaseOutStructure* next = features->pNext; next; next = next->pNext)
     {
         if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES && ls_fake_vulkan.no_buffer_address)
@@ -172,6 +176,24 @@ static void VKAPI_CALL fake_GetPhysicalDeviceFeatures2(VkPhysicalDevice physical
             ((VkPhysicalDeviceVulkan12Features*)next)->bufferDeviceAddress = VK_FALSE;
         }
     }
+}
+
+static PFN_vkGetPhysicalDeviceFeatures2 driver_GetPhysicalDeviceFeatures2;
+static void VKAPI_CALL fake_GetPhysicalDeviceFeatures2(VkPhysicalDevice physical_device,
+                                                       VkPhysicalDeviceFeatures2* features)
+{
+    driver_GetPhysicalDeviceFeatures2(physical_device, features);
+    take_features(features);
+}
+
+// In the place of the loader's function of that name.
+VKAPI_ATTR void VKAPI_CALL vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physical_device,
+                                                        VkPhysicalDeviceFeatures2* features)
+{
+    PFN_vkGetPhysicalDeviceFeatures2 loader;
+    *(void**)&loader = dlsym(RTLD_NEXT, "vkGetPhysicalDeviceFeatures2");
+    loader(physical_device, features);
+    take_features(features);
 }
 
 static PFN_vkGetPhysicalDeviceQueueFamilyProperties driver_GetPhysicalDeviceQueueFamilyProperties;

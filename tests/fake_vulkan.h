@@ -1,7 +1,7 @@
 // fake_vulkan.h - Vulkan as a test wants it: calls that fail, devices that lack things, live objects counted.
 //
 // The functions stand between a library and the driver: hand ls_fake_get_instance_proc_addr to
-// ls_context_create. What is not faked goes straight to the driver. One test at a time.
+// ls_context_create. Of the functions that programs link, vkGetPhysicalDeviceFeatures2 is replaced. What is not faked goes straight to the driver. One test at a time.
 
 #ifndef LS_TEST_FAKE_VULKAN_H
 #define LS_TEST_FAKE_VULKAN_H
@@ -20,6 +20,7 @@ typedef struct LsFakeVulkan
     const char* missing_function; // not found by name
     bool no_buffer_address;       // the feature bufferDeviceAddress is not there
     bool no_compute;              // no queue family computes
+    VkDriverId driver;
     uint32_t api_version;
     uint32_t max_group_count;
     VkDeviceSize max_allocation_bytes;

@@ -22,7 +22,7 @@ typedef enum LsSmallScene
 // 2 mirrored along x and moved to (21,0,0), so that it covers x in [20,21], mask 4.
 
 // LS_SMALL_LARGE: triangle k is (x,y)(x+1,y)(x,y+1) at z = 0 with x = k % side, y = k / side.
-#define LS_LARGE_SIDE 768u
+#define LS_LARGE_SIDE 576u
 
 // Writes the scene to `path`; fails the calling test if it cannot.
 void ls_small_scene_write(LsSmallScene scene, const char* path);

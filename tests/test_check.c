@@ -195,7 +195,7 @@ static const Case cases[] = {
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 0, LsBvhNode, escape, 4)}},
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 0, LsBvhNode, escape, 8)}},
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 1, LsBvhNode, escape, 2)}},
-    {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 1, LsBvhNode, escape, 3)}}, // a sibling too many
+    {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 1, LsBvhNode, escape, 5)}}, // ends in its sibling
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 1, LsBvhNode, escape, 8)}},
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 1, LsBvhNode, escape, 0)}},
     {"R4.7", LS_ERROR_RULE, {WORD(TOP_NODES, 2, LsBvhNode, escape, 2)}},
@@ -334,8 +334,8 @@ static const Case cases[] = {
     {"R6.4", LS_ERROR_RULE, {INDEX(SHAFTS, 30, 0x40000000)}},                // bit 6 of 6
     {"R6.5",
      LS_ERROR_RULE,
-     {WORD(VOXELS, 2, LsVoxel, reference_count, 1), WORD(VOXELS, 0, LsVoxel, reference_count, 1),
-      WORD(VOXELS, 1, LsVoxel, first_reference, 1)}},
+     {WORD(VOXELS, 7, LsVoxel, reference_count, 1), WORD(VOXELS, 8, LsVoxel, first_reference, 59),
+      WORD(VOXELS, 8, LsVoxel, reference_count, 3)}},
     {"R6.6", LS_ERROR_RULE, {WORD(VOXELS, 5, LsVoxel, table, 1)}},
     {"R6.6", LS_ERROR_RULE, {WORD(VOXELS, 11, LsVoxel, table, 0)}},
     {"R6.6", LS_ERROR_RULE, {WORD(LEAF_NODES, 0, LsBvhNode, escape, 7)}},

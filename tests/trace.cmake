@@ -7,3 +7,6 @@ target_link_libraries(ls_test_gpu PUBLIC ls_app PRIVATE ls_options PkgConfig::CM
 
 ls_add_test(NAME test_runtime SOURCES test_runtime.c fake_vulkan.c small_scenes.c
     LIBRARIES ls_test_gpu ls_format_write)
+ls_add_test(NAME test_lstrace SOURCES test_lstrace.c small_scenes.c
+    LIBRARIES ls_format_write ARGS $<TARGET_FILE:lstrace>)
+add_dependencies(test_lstrace lstrace)

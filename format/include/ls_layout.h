@@ -265,4 +265,7 @@ LS_SIZE(LsTraceParams, 40);
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
 
+// Triangles that brute force tests in a round of its loop.
+#define LS_BRUTE_ROUND 8u
+
 #endif

@@ -240,7 +240,7 @@ static LsResult check_output(const char* path, LsError* error)
     struct stat status;
     if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY,
+        return ls_error_set(error, LS_ERROR_OUTPUT,
                             "%s is a directory; name a file to write", path);
     }
     char* copy = strdup(path);

@@ -80,7 +80,8 @@ typedef struct LsTraceDesc
 } LsTraceDesc;
 
 // Records dispatches that trace the batch. The caller synchronises: rays must be visible to compute
-// shader reads before, hits are compute shader writes. Errors: ARGUMENT.
+// shader reads before, hits are compute shader writes. Errors: ARGUMENT;
+// DEVICE_FEATURE for brute force on a scene larger than the device can loop over (llvmpipe: half a million triangles).
 LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc, LsError* error);
 
 #ifdef __cplusplus

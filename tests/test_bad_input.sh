@@ -1,0 +1,309 @@
+#!/usr/bin/env bash
+# test_bad_input.sh GROUP PROGRAMS SCENES - what the built programs do with bad input and bad places.
+#
+# GROUP: "bake" for lsbake and lsinfo, "runtime" for lstrace and lsview. PROGRAMS: folder of the programs. SCENES:
+# folder of the bundled scenes. Every case must end with its documented exit code and one line on standard error that
+# names the file or the thing, print nothing else, and leave the folder "out" as it was.
+set -uo pipefail
+
+group=$1
+programs=$2
+scenes=$3
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+cd "$work" || exit 1
+mkdir out a_folder
+count=0
+wrong=0
+
+# Everything below out/ with its bytes.
+list_out()
+{
+    find out -mindepth 1 \( -type f -exec cksum {} + -o -print \) | sort
+}
+
+# check EXIT_CODE WORD COMMAND... : WORD is what the line must name.
+check()
+{
+    local expected=$1 word=$2 before after result
+    shift 2
+    before=$(list_out)
+    "$programs/$1" "${@:2}" > stdout.txt 2> stderr.txt < /dev/null
+    result=$?
+    after=$(list_out)
+    local complaints=()
+    ((result == expected)) || complaints+=("exit code $result instead of $expected")
+    [[ $(wc -l < stderr.txt) == 1 && $(tail -c 1 stderr.txt | od -An -c) == *'\n'* ]] ||
+        complaints+=("standard error is not one line")
+    grep -qF -- "$word" stderr.txt || complaints+=("standard error does not name \"$word\"")
+    [[ ! -s stdout.txt ]] || complaints+=("something on standard output")
+    [[ "$before" == "$after" ]] || complaints+=("out/ has changed")
+    count=$((count + 1))
+    if ((${#complaints[@]} > 0)); then
+        wrong=$((wrong + 1))
+        printf 'WRONG: %s\n' "$*"
+        printf '  %s\n' "${complaints[@]}"
+        sed 's/^/  | /' stderr.txt
+        ls -A out
+        rm -rf out/.??*
+    fi
+}
+
+# As check, with no room for files of more than 4 KiB. Ignoring the signal makes write fail, as it does on a full disk.
+check_full()
+{
+    local limited=("$@")
+    ulimit_before=$(ulimit -S -f)
+    trap '' XFSZ
+    ulimit -S -f 4
+    check "${limited[@]}"
+    ulimit -S -f "$ulimit_before"
+    trap - XFSZ
+}
+
+# ---- Inputs -----------------------------------------------------------------------------------------
+
+ply_header()
+{
+    printf 'ply\nformat %s 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n' "$1"
+    printf 'element face 1\nproperty list uchar int vertex_indices\nend_header\n'
+}
+
+# A triangle whose first coordinate is the four bytes given.
+binary_triangle()
+{
+    ply_header binary_little_endian
+    # shellcheck disable=SC2059
+    printf "$1"'\0\0\0\0\0\0\0\0'
+    printf '\0\0\200\077\0\0\0\0\0\0\0\0'
+    printf '\0\0\0\0\0\0\200\077\0\0\0\0'
+    printf '\003\0\0\0\0\001\0\0\0\002\0\0\0'
+}
+
+ascii_triangle()
+{
+    ply_header ascii
+    printf '%s\n' "$@"
+}
+
+gltf()
+{
+    printf '{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0%s}],' "$1"
+    printf '"meshes":[{"primitives":[{"attributes":{"POSITION":0},"indices":1}]}],'
+    printf '"buffers":[{"byteLength":42,"uri":"triangle.bin"}],"bufferViews":[{"buffer":0,"byteLength":42}],'
+    printf '"accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"},'
+    printf '{"bufferView":0,"byteOffset":36,"componentType":5123,"count":3,"type":"SCALAR"}]}'
+}
+
+{
+    printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0'
+    printf '\0\0\001\0\011\0'
+} > triangle.bin
+ascii_triangle '0 0 0' '1 0 0' '0 1 0' '3 0 1 2' > good.ply
+: > empty.ply
+: > empty.lspace
+for ending in ply obj gltf glb xyz lspace; do
+    { printf '\211PNG\r\n\032\n'; head -c 20000 "$scenes/bunny.ply" | tail -c 10000; } > "foreign.$ending"
+done
+
+# ---- Usage ------------------------------------------------------------------------------------------
+
+check_usage()
+{
+    check 1 "--frobnicate" "$1" --frobnicate
+    check 1 "Z" "$1" -Z
+    check 1 "help" "$1"
+}
+
+# Programs that read an .lspace file, given as the last word but for those in $tail.
+check_lspace()
+{
+    local program=$1
+    shift
+    check 2 missing.lspace "$program" "$@" missing.lspace "${tail[@]}"
+    check 2 empty.lspace "$program" "$@" empty.lspace "${tail[@]}"
+    check 2 a_folder "$program" "$@" a_folder "${tail[@]}"
+    check 4 foreign.lspace "$program" "$@" foreign.lspace "${tail[@]}"
+    check 4 good.ply "$program" "$@" good.ply "${tail[@]}"
+    local size kept
+    size=$(stat -c %s good.lspace)
+    for kept in 1 100 256 300 4095 4096 8192 $((size / 2)) $((size - 1)); do
+        head -c "$kept" good.lspace > cut.lspace
+        check 4 cut.lspace "$program" "$@" cut.lspace "${tail[@]}"
+    done
+    { cat good.lspace; printf 'x'; } > longer.lspace
+    check 4 longer.lspace "$program" "$@" longer.lspace "${tail[@]}"
+    # A byte of the header, which its hash covers; and another version.
+    for place in 130 300; do
+        cp good.lspace damaged.lspace
+        printf '\125' | dd of=damaged.lspace bs=1 seek="$place" conv=notrunc status=none
+        check 4 damaged.lspace "$program" "$@" damaged.lspace "${tail[@]}"
+    done
+    cp good.lspace newer.lspace
+    printf '\011' | dd of=newer.lspace bs=1 seek=16 conv=notrunc status=none
+    check 4 newer.lspace "$program" "$@" newer.lspace "${tail[@]}"
+}
+
+# ---- Group bake -------------------------------------------------------------------------------------
+
+# Bad scenes; an older output, where there is one, stays what it was.
+check_scene()
+{
+    check 2 "$1" lsbake "$1" -o out/scene.lspace
+    check 2 "$1" lsbake good.ply "$1" -o out/older.lspace
+}
+
+check_bake()
+{
+    check_usage lsbake
+    check 1 "-o" lsbake good.ply
+    check 1 "-o" lsbake good.ply -o
+    check 1 "scene" lsbake -o out/scene.lspace
+    local option
+    for option in "--grid 0" "--grid 4097" "--grid x" "--grid -1" "--grid 3.5" "--patches 0" "--patches 17" \
+        "--threads 0" "--threads 99999999999999999999" "--report xml"; do
+        # shellcheck disable=SC2086
+        check 1 "${option%% *}" lsbake good.ply -o out/scene.lspace $option
+    done
+    check 1 "--grid" lsbake good.ply -o out/scene.lspace --grid
+
+    echo "an older bake" > out/older.lspace
+    mkdir a_folder.ply
+    for scene in missing.ply missing.gltf empty.ply a_folder a_folder.ply good.ply/inside.ply; do
+        check_scene "$scene"
+    done
+    for ending in ply obj gltf glb xyz; do
+        check_scene "foreign.$ending"
+    done
+
+    head -c 700000 "$scenes/bunny.ply" > cut.ply
+    check_scene cut.ply
+    head -c 150 "$scenes/bunny.ply" > cut_header.ply
+    check_scene cut_header.ply
+    head -c 2000 "$scenes/cornell.gltf" > cut.gltf
+    check_scene cut.gltf
+    printf 'glTF\002\0\0\0\377\0\0\0' > cut.glb
+    check_scene cut.glb
+
+    ascii_triangle '0 0 0' '1 0 0' '0 1 0' '3 0 1 3' > index.ply
+    check_scene index.ply
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' > index.obj
+    check_scene index.obj
+    gltf '' > index.gltf
+    check_scene index.gltf
+
+    binary_triangle '\0\0\300\177' > nan.ply
+    check_scene nan.ply
+    binary_triangle '\0\0\200\377' > infinite.ply
+    check_scene infinite.ply
+    printf 'v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > nan.obj
+    check_scene nan.obj
+    ascii_triangle '0 nan 0' '1 0 0' '0 1 0' '3 0 1 2' > nan_text.ply
+    check_scene nan_text.ply
+    binary_triangle '\0\0\0\0' > finite.ply
+    "$programs/lsbake" finite.ply -o finite.lspace --quiet || wrong=$((wrong + 1))
+
+    # Nothing to hit, in files of every kind. Several inputs may hold such a one as long as one has triangles.
+    printf 'ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\nproperty float z\nend_header\n1 2 3\n' > points.ply
+    printf 'v 0 0 0\n' > points.obj
+    printf '{"asset":{"version":"2.0"},"scenes":[{}]}' > nothing.gltf
+    printf '{"asset":{"version":"2.0"}}' > no_scene.gltf
+    ascii_triangle '0 0 0' '1 0 0' '0 1 0' '3 0 1 1' > no_area.ply
+    for scene in points.ply points.obj nothing.gltf no_scene.gltf no_area.ply; do
+        check 2 "triangle" lsbake "$scene" -o out/scene.lspace
+        check 2 "triangle" lsbake "$scene" -o out/older.lspace
+    done
+
+    ascii_triangle '1e30 0 0' '1e30 1 0' '1e30 0 1' '3 0 1 2' > far.ply
+    check_scene far.ply
+    printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0\0\0\001\0\002\0' > triangle.bin
+    gltf ',"scale":[1,1,1e-9]' > flat.gltf
+    check 2 "transform" lsbake flat.gltf -o out/scene.lspace
+    gltf ',"scale":[0,0,0]' > zero.gltf
+    check 2 "transform" lsbake zero.gltf -o out/scene.lspace
+    gltf ',"translation":[0,0' > broken.gltf
+    check_scene broken.gltf
+    gltf '' > lonely.gltf
+    mv triangle.bin elsewhere.bin
+    check_scene lonely.gltf
+
+    # Bad places for the output.
+    check 3 a_folder lsbake good.ply -o a_folder
+    check 3 nowhere lsbake good.ply -o nowhere/scene.lspace
+    check 3 good.ply lsbake good.ply -o good.ply/scene.lspace
+    check_full 3 out/full.lspace lsbake "$scenes/cornell.gltf" -o out/full.lspace
+    check_full 3 out/older.lspace lsbake "$scenes/cornell.gltf" -o out/older.lspace
+    [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))
+
+    "$programs/lsbake" good.ply -o good.lspace --quiet || wrong=$((wrong + 1))
+    check_usage lsinfo
+    check 1 "--frobnicate" lsinfo check --frobnicate good.lspace
+    local tail=()
+    check_lspace lsinfo
+    check_lspace lsinfo --json
+    check_lspace lsinfo check
+    check_lspace lsinfo check --full
+    # A byte of a chunk, which only the full check hashes.
+    cp good.lspace damaged.lspace
+    printf '\125' | dd of=damaged.lspace bs=1 seek=4200 conv=notrunc status=none
+    check 4 damaged.lspace lsinfo check --full damaged.lspace
+}
+
+# ---- Group runtime ----------------------------------------------------------------------------------
+
+check_runtime()
+{
+    "$programs/lsbake" "$scenes/cornell.gltf" -o good.lspace --quiet || wrong=$((wrong + 1))
+    printf '\0\0\0\0\0\0\0\0\0\0\100\100\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\277\0\0\200\177' > rays.bin
+    for _ in {1..9}; do cat rays.bin rays.bin > more.bin && mv more.bin rays.bin; done # 512 rays: 16 KiB
+    { cat rays.bin; printf 'odd'; } > odd.bin
+    : > empty.bin
+    echo "older hits" > out/older.bin
+    echo "an older picture" > out/older.png
+
+    check_usage lstrace
+    local tail=(--rays rays.bin -o out/hits.bin)
+    check_lspace lstrace
+    check 1 "--rays" lstrace good.lspace -o out/hits.bin
+    check 1 "-o" lstrace good.lspace --rays rays.bin
+    check 1 "guess" lstrace good.lspace --rays rays.bin -o out/hits.bin --method guess
+    check 1 "--repeat" lstrace good.lspace --rays rays.bin -o out/hits.bin --repeat 0
+    check 2 missing.bin lstrace good.lspace --rays missing.bin -o out/hits.bin
+    check 2 a_folder lstrace good.lspace --rays a_folder -o out/hits.bin
+    check 2 odd.bin lstrace good.lspace --rays odd.bin -o out/hits.bin
+    check 2 odd.bin lstrace good.lspace --rays odd.bin -o out/older.bin
+    check 3 a_folder lstrace good.lspace --rays rays.bin -o a_folder
+    check 3 nowhere lstrace good.lspace --rays rays.bin -o nowhere/hits.bin
+    check_full 3 out/hits.bin lstrace good.lspace --rays rays.bin -o out/hits.bin --quiet
+    check_full 3 out/older.bin lstrace good.lspace --rays rays.bin -o out/older.bin --quiet
+
+    check_usage lsview
+    tail=(-o out/picture.png)
+    check_lspace lsview --headless
+    check 1 "-o" lsview --headless good.lspace
+    check 1 "--headless" lsview good.lspace -o out/picture.png
+    local option
+    for option in "--size 640" "--size 0x10" "--size axb" "--samples 0" "--samples x" "--depth 0" "--seed -1" \
+        "--report xml"; do
+        # shellcheck disable=SC2086
+        check 1 "${option##* }" lsview --headless good.lspace -o out/picture.png $option
+    done
+    check 3 a_folder lsview --headless good.lspace -o a_folder
+    check 3 nowhere lsview --headless good.lspace -o nowhere/picture.png
+    local small=(--size 160x90 --samples 1 --quiet)
+    check_full 3 out/picture.png lsview --headless good.lspace -o out/picture.png "${small[@]}"
+    check_full 3 out/older.png lsview --headless good.lspace -o out/older.png "${small[@]}"
+    check_full 3 out/picture.exr lsview --headless good.lspace -o out/picture.png --exr out/picture.exr "${small[@]}"
+
+    # No Vulkan driver at all, by both of the loader's names for it.
+    export VK_DRIVER_FILES=/nonexistent.json VK_ICD_FILENAMES=/nonexistent.json
+    check 5 "mesa-vulkan-drivers" lstrace good.lspace --rays rays.bin -o out/hits.bin
+    check 5 "mesa-vulkan-drivers" lsview --headless good.lspace -o out/picture.png
+    unset VK_DRIVER_FILES VK_ICD_FILENAMES
+    check 5 "no such card" lstrace good.lspace --rays rays.bin -o out/hits.bin --device "no such card"
+    check 5 "no such card" lsview --headless good.lspace -o out/picture.png --device "no such card"
+}
+
+"check_$group"
+echo "$count cases, $wrong wrong"
+((count > 0 && wrong == 0))
