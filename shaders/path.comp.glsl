@@ -217,21 +217,28 @@ vec3 average(vec3 mean, vec3 value, uint count)
 }
 
 // One loop over the segments of all paths: who has ended a path begins the next while neighbours go on.
+// Samples that are missing after it were cut off by the driver (llvmpipe bounds the rounds of loops).
 void add_samples(uvec2 pixel)
 {
     LsImage image = LsImage(params.image);
     uint number = pixel.y * params.width + pixel.x;
     uint sample_index = params.first_sample;
+    uint left = params.sample_count;
     vec3 mean = sample_index == 0u ? vec3(0.0) : image.at[number].rgb;
     LsPath path = begin_path(pixel, number, sample_index);
-    while (sample_index - params.first_sample < params.sample_count)
+    while (left > 0u)
     {
         if (!extend_path(path, number, sample_index))
         {
             mean = average(mean, path.radiance, sample_index);
             sample_index++;
+            left--;
             path = begin_path(pixel, number, sample_index);
         }
+    }
+    if (left > 0u)
+    {
+        atomicAdd(LsCounters(params.counters).counters.invalid_samples, left);
     }
     image.at[number] = vec4(mean, 1.0);
 }

@@ -173,6 +173,14 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint 
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
+    // Off the ends of a needle, U, V and W may all round to zero; the bounds tell. They cost no hit: rounding
+    // turns a sign to zero at most, so whatever truly holds the ray accepts it.
+    vec2 low = min(min(pa, pb), pc);
+    vec2 high = max(max(pa, pb), pc);
+    if (max(low.x, low.y) > 0.0 || min(high.x, high.y) < 0.0)
+    {
+        return false;
+    }
     precise float u = pc.x * pb.y - pc.y * pb.x;
     precise float v = pa.x * pc.y - pa.y * pc.x;
     precise float w = pb.x * pa.y - pb.y * pa.x;

@@ -347,7 +347,7 @@ static void test_wrong_outputs(void** state)
     check_refused("%s scene.lspace --rays rays.bin -o nowhere/hits.bin", LS_EXIT_OUTPUT, "nowhere/hits.bin");
     check_refused("%s scene.lspace --rays rays.bin -o ''", LS_EXIT_OUTPUT, "cannot be written");
     check_refused("%s scene.lspace --rays rays.bin -o /dev/full", LS_EXIT_OUTPUT, "/dev/full: no space left");
-    // A file that may not grow so far: the same error by another way, in the middle of the second batch.
+    // A file that may not grow so far: the same error in the middle of the work.
     check_refused("trap '' XFSZ; ulimit -f 20; %s scene.lspace --rays rays.bin -o hits.bin --batch 500", LS_EXIT_OUTPUT,
                   "hits.bin: no space left");
 }

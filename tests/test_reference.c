@@ -169,7 +169,8 @@ static void instances_and_ties(void** state)
     LsHit hit = trace_one(&scene, ray, 255, 0);
     assert_true(hit.t == 2.0f && hit.u == 0.75f && hit.v == 0.125f);
     assert_int_equal(hit.instance, 1);
-    assert_int_equal(trace_one(&scene, ray, 255, LS_RAY_FLAG_CULL_BACK_FACING).instance, 1);
+    assert_int_equal(trace_one(&scene, ray, 255, LS_RAY_FLAG_CULL_FRONT_FACING).instance, 1);
+    assert_int_equal(trace_one(&scene, ray, 255, LS_RAY_FLAG_CULL_BACK_FACING).instance, 2);
     scene.instances[1].mask = 0;
     assert_int_equal(trace_one(&scene, ray, 255, 0).instance, 2);
     scene.instances[2].mask = 0;

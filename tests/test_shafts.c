@@ -1,6 +1,6 @@
 // The separable shaft test never says no where the exact polytope says yes.
 
-#include "bake/linespace.h"
+#include "linespace.h"
 #include "reference/polytope.h"
 #include "test_random.h"
 

@@ -130,7 +130,7 @@ class Importer
     void add_materials();
     void add_meshes();
     bool add_mesh(const tinygltf::Mesh& mesh, const std::string& name);
-    Elements find_elements(int accessor, int type, const std::string& owner) const;
+    Elements find_elements(int index, int type, const std::string& owner) const;
     std::vector<uint32_t> read_indices(const tinygltf::Primitive& primitive, size_t vertex_count,
                                        const std::string& owner) const;
 };

@@ -257,7 +257,7 @@ static LsResult count_records(Reader* reader, uint32_t* vertex_count, uint32_t* 
     uint64_t triangles = 0;
     for (;;)
     {
-        bool is_end;
+        bool is_end = false;
         const LsResult result = read_line(reader, &is_end);
         if (result != LS_OK)
             return result;
@@ -320,7 +320,7 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
     uint32_t material = LS_NONE;
     for (;;)
     {
-        bool is_end;
+        bool is_end = false;
         LsResult result = read_line(reader, &is_end);
         if (result != LS_OK || is_end)
             return result;

@@ -13,6 +13,10 @@
 #define GROUP_SIZE 64u
 #define GROUP_ROWS (GROUP_SIZE / LS_PATH_TILE_WIDTH)
 
+// A dispatch takes as many samples as stay within this many segments of a path: more let threads whose paths are
+// short go on without their neighbours, fewer keep clear of llvmpipe's bound of 65535 rounds of loops.
+#define DISPATCH_SEGMENTS 32u
+
 // Long enough to hide the cost of a submission, short enough for a progress bar and for drivers' watchdogs.
 #define SUBMISSION_SECONDS 0.1
 
@@ -261,8 +265,6 @@ LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)
         .counters = render->counters.address,
         .width = settings->width,
         .height = settings->height,
-        .first_sample = render->sample_count,
-        .sample_count = sample_count,
         .seed = settings->seed,
         .depth = settings->depth,
         .tan_half_y = settings->camera.tan_half_y,
@@ -283,10 +285,17 @@ LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)
         ls_app_commands_barrier(commands);
     }
     vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, render->pipeline);
-    vkCmdPushConstants(commands, render->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof params, &params);
-    vkCmdDispatch(commands, (settings->width + LS_PATH_TILE_WIDTH - 1) / LS_PATH_TILE_WIDTH,
-                  (settings->height + GROUP_ROWS - 1) / GROUP_ROWS, 1);
-    ls_app_commands_barrier(commands);
+    uint32_t most = settings->depth < DISPATCH_SEGMENTS ? DISPATCH_SEGMENTS / settings->depth : 1;
+    for (uint32_t done = 0; done < sample_count; done += params.sample_count)
+    {
+        params.first_sample = render->sample_count + done;
+        params.sample_count = sample_count - done < most ? sample_count - done : most;
+        vkCmdPushConstants(commands, render->layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, sizeof params,
+                           &params);
+        vkCmdDispatch(commands, (settings->width + LS_PATH_TILE_WIDTH - 1) / LS_PATH_TILE_WIDTH,
+                      (settings->height + GROUP_ROWS - 1) / GROUP_ROWS, 1);
+        ls_app_commands_barrier(commands);
+    }
     VkBufferCopy region = {.size = sizeof(LsPathCounters)};
     vkCmdCopyBuffer(commands, render->counters.buffer, render->counters_readback.buffer, 1, &region);
     ls_app_commands_barrier(commands);

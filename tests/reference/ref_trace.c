@@ -452,11 +452,27 @@ WIDE static int test_lanes(const LsReferenceObject* object, uint32_t first,
         float v = ax * cy - ay * cx;
         float w = bx * ay - by * ax;
         float det = (u + v) + w;
-        float s = ((u * az + v * bz) + w * cz) / (det * dz) + s0;
+        float ab_x = bx - ax, ab_y = by - ay, ab = ab_x * ab_x + ab_y * ab_y;
+        float bc_x = cx - bx, bc_y = cy - by, bc = bc_x * bc_x + bc_y * bc_y;
+        float ca_x = ax - cx, ca_y = ay - cy, ca = ca_x * ca_x + ca_y * ca_y;
+        int second = bc > ab;
+        float l = second ? bc : ab;
+        int third = ca > l;
+        l = third ? ca : l;
+        float px = third ? cx : second ? bx : ax, ex = third ? ca_x : second ? bc_x : ab_x;
+        float py = third ? cy : second ? by : ay, ey = third ? ca_y : second ? bc_y : ab_y;
+        float ez = third ? az - cz : second ? cz - bz : bz - az;
+        float f = -(px * ex + py * ey);
+        float slack = l * 0x1p-20f;
+        float rx = ((u * ax + v * bx) + w * cx) / det;
+        float ry = ((u * ay + v * by) + w * cy) / det;
+        float k = (rx * ex + ry * ey) / l;
+        float s = (((u * az + v * bz) + w * cz) / det - k * ez) / dz + s0;
+        int beside = (f < -slack) | (f > l + slack);
         int below = (u < 0.0f) | (v < 0.0f) | (w < 0.0f);
         int above = (u > 0.0f) | (v > 0.0f) | (w > 0.0f);
         int faced = ((det > 0.0f) & keep_front) | ((det < 0.0f) & keep_back);
-        int hit = ((below & above) ^ 1) & faced & (s > smin) & (s < smax);
+        int hit = ((below & above) ^ 1) & (beside ^ 1) & faced & (s > smin) & (s < smax);
         s_out[i] = hit ? s : INFINITY;
         found |= hit & (s <= best);
     }
@@ -593,6 +609,7 @@ typedef struct LsWideRay
     double length; // of direction
     double across[2][3];
     double smin, smax;
+    double moved; // length of the moved origin's coordinates, to which moving rounds; 0 if it did not move
     int exponent;
 } LsWideRay;
 
@@ -622,6 +639,11 @@ static LsWideRay widen_ray(const LsObjectRay* ray, const LsRay* world)
             fabsf(ray->direction[axis]) < fabsf(ray->direction[smallest]) ? axis : smallest;
     }
     wide.length = sqrt(dot(wide.direction, wide.direction));
+    if (ray->s0 > 0.0f)
+    {
+        const double moved[3] = {ray->origin[0], ray->origin[1], ray->origin[2]};
+        wide.moved = sqrt(dot(moved, moved));
+    }
     double axis_vector[3] = {smallest == 0, smallest == 1, smallest == 2};
     cross(wide.direction, axis_vector, wide.across[0]);
     double scale = 1.0 / sqrt(dot(wide.across[0], wide.across[0]));
@@ -674,7 +696,8 @@ static bool measure_triangle(const LsReferenceObject* object, uint32_t slot, con
         flat[corner][1] = dot(corners[corner], ray->across[1]);
         farthest = fmax(farthest, dot(corners[corner], corners[corner]));
     }
-    double bound = 16.0 * U * sqrt(farthest);
+    double reach = fmax(sqrt(farthest), ray->moved);
+    double bound = 16.0 * U * reach;
     for (uint32_t axis = 0; axis < 2 && !keep_far; axis++)
     {
         double lowest = fmin(fmin(flat[0][axis], flat[1][axis]), flat[2][axis]);
@@ -716,7 +739,7 @@ static bool measure_triangle(const LsReferenceObject* object, uint32_t slot, con
     double n_length = sqrt(dot(n, n));
     double n_d = dot(n, ray->direction);
     out->s = dot(n, corners[0]) / n_d;
-    out->s_bound = n_d != 0.0 ? 16.0 * U * (fabs(out->s) + sqrt(farthest) * n_length / fabs(n_d))
+    out->s_bound = n_d != 0.0 ? 16.0 * U * (fabs(out->s) + reach * n_length / fabs(n_d))
                               : INFINITY;
     out->margin = (LsReferenceMargin){
         .t = ldexp(out->s, -ray->exponent),
@@ -766,7 +789,7 @@ static bool line_meets_sphere(const LsWideRay* ray, const LsReferenceSphere* sph
     double x = dot(to_center, ray->across[0]);
     double y = dot(to_center, ray->across[1]);
     double distance = sqrt(dot(to_center, to_center));
-    double reach = sphere->radius + 17.0 * U * (distance + sphere->radius);
+    double reach = sphere->radius + 17.0 * U * fmax(distance + sphere->radius, ray->moved);
     return sphere->radius >= 0.0 && x * x + y * y <= reach * reach;
 }
 
@@ -877,9 +900,17 @@ static LsVerdict judge_hit(const LsReference* reference, const LsRay* ray, uint3
                            const LsCandidates* list, const LsCandidate* winner, const LsHit* hit)
 {
     LsCandidate own;
-    if (!measure_hit(reference, ray, mask, hit->instance, hit->primitive, &own) ||
-        !(hit->t > ray->tmin && hit->t < ray->tmax) ||
-        fabs(hit->t - own.margin.t) > own.margin.t_bound)
+    if (!measure_hit(reference, ray, mask, hit->instance, hit->primitive, &own))
+    {
+        return LS_VERDICT_DEFECT;
+    }
+    // Where t leaves the range of normal floats devices flush or overflow; it is held to no more than that.
+    double bound = own.margin.t_bound;
+    bool held = isfinite(bound) ? fabs(hit->t - own.margin.t) <= bound : true;
+    bool within = hit->t > ray->tmin && hit->t < ray->tmax;
+    bool tiny = own.margin.t + bound < 0x1p-120 && hit->t < 0x1p-119f;
+    bool huge = own.margin.t - bound > 0x1p127 && hit->t > 0x1p126f;
+    if (!(held && within) && !tiny && !huge)
     {
         return LS_VERDICT_DEFECT;
     }

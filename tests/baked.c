@@ -1,0 +1,74 @@
+#include "baked.h"
+
+// cmocka wants these first.
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+
+#include <cmocka.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static void require(LsResult result, const LsError* error)
+{
+    if (result != LS_OK)
+    {
+        fail_msg("%s", error->text);
+    }
+}
+
+void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name, LsTestPlacement placement,
+                   uint32_t grid, uint32_t patches, uint32_t threads)
+{
+    memset(baked, 0, sizeof *baked);
+    const char* folder = LS_BINARY_DIR "/test_scenes";
+    mkdir(folder, 0777);
+    // The process id keeps test programs that run side by side apart.
+    char stem[400], source[512];
+    snprintf(stem, sizeof stem, "%s/%d-%s-%d-%u-%u-%u", folder, (int)getpid(), name, (int)placement,
+             grid, patches, threads);
+    bool alone = placement == LS_TEST_ALONE;
+    snprintf(source, sizeof source, "%s.%s", stem, alone ? "ply" : "gltf");
+    snprintf(baked->path, sizeof baked->path, "%s.lspace", stem);
+    if (alone)
+    {
+        ls_test_mesh_write_ply(mesh, source);
+    }
+    else
+    {
+        ls_test_mesh_write_gltf(mesh, source);
+    }
+
+    const char* inputs[] = {source};
+    LsError error = {.result = LS_OK};
+    require(ls_bake_run(&(LsBakeDesc){.inputs = inputs,
+                                      .input_count = 1,
+                                      .output = baked->path,
+                                      .grid = grid,
+                                      .patches = patches,
+                                      .threads = threads,
+                                      .force = true},
+                        &baked->report, &error),
+            &error);
+    remove(source);
+    if (!alone)
+    {
+        snprintf(source, sizeof source, "%s.bin", stem);
+        remove(source);
+    }
+
+    require(ls_mapping_open(&baked->mapping, baked->path, &error), &error);
+    require(ls_file_open(&baked->file, baked->mapping.bytes, baked->mapping.size, baked->path, &error),
+            &error);
+    require(ls_file_check(&baked->file, baked->path, &error), &error);
+    require(ls_file_check_hashes(&baked->file, baked->path, &error), &error);
+}
+
+void ls_baked_close(LsBaked* baked)
+{
+    ls_mapping_close(&baked->mapping);
+    remove(baked->path);
+    memset(baked, 0, sizeof *baked);
+}

@@ -1,0 +1,33 @@
+// layout.comp.glsl - a buffer of each struct of ls_layout.h, for test_layout.c to reflect.
+#version 460
+#extension GL_GOOGLE_include_directive : require
+
+#include "ls_layout.h"
+
+layout(local_size_x = 1) in;
+
+#define BUFFER(number, type)                                                                       \
+    layout(std430, set = 0, binding = number) buffer Buffer##type                                  \
+    {                                                                                              \
+        type records[];                                                                            \
+    }                                                                                              \
+    buffer_##type
+
+BUFFER(0, LsTriangle);
+BUFFER(1, LsVoxel);
+BUFFER(2, LsCellBlock);
+BUFFER(3, LsBvhNode);
+BUFFER(4, LsObject);
+BUFFER(5, LsInstance);
+BUFFER(6, LsSceneNode);
+BUFFER(7, LsMaterial);
+BUFFER(8, LsLight);
+BUFFER(9, LsCamera);
+BUFFER(10, LsRay);
+BUFFER(11, LsHit);
+BUFFER(12, LsDeviceScene);
+BUFFER(13, LsTraceParams);
+
+void main()
+{
+}

@@ -1,0 +1,271 @@
+// test_layout.c - C and GLSL see the same bytes: every member of every struct of ls_layout.h lies where
+// reflection of layout.comp.glsl says. Argument: the reflection, as JSON.
+
+#include "file_fixture.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <string.h>
+
+typedef struct Member
+{
+    const char* name;
+    size_t offset;
+    size_t size;
+} Member;
+
+typedef struct Layout
+{
+    const char* name;
+    size_t size;
+    Member members[32]; // up to the first without name
+} Layout;
+
+#define MEMBER(type, member)                                        \
+    {                                                               \
+#member, offsetof(type, member), sizeof(((type*)0)->member) \
+    }
+
+static const Layout layouts[] = {
+    {"LsTriangle",
+     sizeof(LsTriangle),
+     {MEMBER(LsTriangle, v0), MEMBER(LsTriangle, primitive), MEMBER(LsTriangle, v1),
+      MEMBER(LsTriangle, material), MEMBER(LsTriangle, v2), MEMBER(LsTriangle, reserved)}},
+    {"LsVoxel",
+     sizeof(LsVoxel),
+     {MEMBER(LsVoxel, first_reference), MEMBER(LsVoxel, reference_count), MEMBER(LsVoxel, shape),
+      MEMBER(LsVoxel, table)}},
+    {"LsCellBlock", sizeof(LsCellBlock), {MEMBER(LsCellBlock, cells)}},
+    {"LsBvhNode",
+     sizeof(LsBvhNode),
+     {MEMBER(LsBvhNode, lower), MEMBER(LsBvhNode, escape), MEMBER(LsBvhNode, upper),
+      MEMBER(LsBvhNode, leaf)}},
+    {"LsObject",
+     sizeof(LsObject),
+     {MEMBER(LsObject, lower),
+      MEMBER(LsObject, kind),
+      MEMBER(LsObject, upper),
+      MEMBER(LsObject, reach),
+      MEMBER(LsObject, grid_lower),
+      MEMBER(LsObject, inverse_cell),
+      MEMBER(LsObject, cells),
+      MEMBER(LsObject, bound),
+      MEMBER(LsObject, first_triangle),
+      MEMBER(LsObject, triangle_count),
+      MEMBER(LsObject, first_block),
+      MEMBER(LsObject, block_count),
+      MEMBER(LsObject, first_cell_block),
+      MEMBER(LsObject, cell_block_count),
+      MEMBER(LsObject, first_subgrid),
+      MEMBER(LsObject, subgrid_count),
+      MEMBER(LsObject, first_voxel),
+      MEMBER(LsObject, voxel_count),
+      MEMBER(LsObject, first_reference),
+      MEMBER(LsObject, reference_count),
+      MEMBER(LsObject, first_leaf_node),
+      MEMBER(LsObject, leaf_node_count),
+      MEMBER(LsObject, first_shaft_word),
+      MEMBER(LsObject, shaft_word_count),
+      MEMBER(LsObject, face_count),
+      MEMBER(LsObject, depth),
+      MEMBER(LsObject, patches),
+      MEMBER(LsObject, reserved)}},
+    {"LsInstance",
+     sizeof(LsInstance),
+     {MEMBER(LsInstance, object_from_world), MEMBER(LsInstance, world_from_object),
+      MEMBER(LsInstance, object), MEMBER(LsInstance, node), MEMBER(LsInstance, mask),
+      MEMBER(LsInstance, flags), MEMBER(LsInstance, reserved)}},
+    {"LsSceneNode",
+     sizeof(LsSceneNode),
+     {MEMBER(LsSceneNode, parent_from_node), MEMBER(LsSceneNode, parent),
+      MEMBER(LsSceneNode, reserved)}},
+    {"LsMaterial",
+     sizeof(LsMaterial),
+     {MEMBER(LsMaterial, base_color), MEMBER(LsMaterial, flags), MEMBER(LsMaterial, emission),
+      MEMBER(LsMaterial, reserved0), MEMBER(LsMaterial, metallic), MEMBER(LsMaterial, roughness),
+      MEMBER(LsMaterial, reserved1)}},
+    {"LsLight",
+     sizeof(LsLight),
+     {MEMBER(LsLight, instance), MEMBER(LsLight, triangle), MEMBER(LsLight, area),
+      MEMBER(LsLight, cumulative)}},
+    {"LsCamera",
+     sizeof(LsCamera),
+     {MEMBER(LsCamera, world_from_camera), MEMBER(LsCamera, tan_half_y), MEMBER(LsCamera, aspect),
+      MEMBER(LsCamera, reserved)}},
+    {"LsRay",
+     sizeof(LsRay),
+     {MEMBER(LsRay, origin), MEMBER(LsRay, tmin), MEMBER(LsRay, direction), MEMBER(LsRay, tmax)}},
+    {"LsHit",
+     sizeof(LsHit),
+     {MEMBER(LsHit, t), MEMBER(LsHit, u), MEMBER(LsHit, v), MEMBER(LsHit, instance),
+      MEMBER(LsHit, object), MEMBER(LsHit, primitive), MEMBER(LsHit, material),
+      MEMBER(LsHit, reserved)}},
+    {"LsDeviceScene",
+     sizeof(LsDeviceScene),
+     {MEMBER(LsDeviceScene, objects), MEMBER(LsDeviceScene, instances),
+      MEMBER(LsDeviceScene, top_nodes), MEMBER(LsDeviceScene, materials),
+      MEMBER(LsDeviceScene, lights), MEMBER(LsDeviceScene, triangles),
+      MEMBER(LsDeviceScene, blocks), MEMBER(LsDeviceScene, cell_blocks),
+      MEMBER(LsDeviceScene, subgrids), MEMBER(LsDeviceScene, voxels),
+      MEMBER(LsDeviceScene, references), MEMBER(LsDeviceScene, leaf_nodes),
+      MEMBER(LsDeviceScene, shafts), MEMBER(LsDeviceScene, instance_count),
+      MEMBER(LsDeviceScene, top_node_count), MEMBER(LsDeviceScene, light_count),
+      MEMBER(LsDeviceScene, transform_bound)}},
+    {"LsTraceParams",
+     sizeof(LsTraceParams),
+     {MEMBER(LsTraceParams, scene), MEMBER(LsTraceParams, rays), MEMBER(LsTraceParams, hits),
+      MEMBER(LsTraceParams, masks), MEMBER(LsTraceParams, ray_count),
+      MEMBER(LsTraceParams, flags)}},
+};
+
+static const size_t layout_count = sizeof(layouts) / sizeof(layouts[0]);
+static const char* reflection_path;
+static cJSON* types;
+
+static const char* find_text(const cJSON* object, const char* key)
+{
+    const cJSON* item = cJSON_GetObjectItemCaseSensitive(object, key);
+    assert_true(cJSON_IsString(item));
+    return item->valuestring;
+}
+
+static size_t find_size(const cJSON* object, const char* key)
+{
+    const cJSON* item = cJSON_GetObjectItemCaseSensitive(object, key);
+    assert_true(cJSON_IsNumber(item));
+    return (size_t)item->valuedouble;
+}
+
+// The reflected struct of a name, or NULL.
+static const cJSON* find_type(const char* prefix, const char* name)
+{
+    char full[64];
+    snprintf(full, sizeof(full), "%s%s", prefix, name);
+    const cJSON* type;
+    cJSON_ArrayForEach(type, types)
+    {
+        if (strcmp(find_text(type, "name"), full) == 0)
+        {
+            return cJSON_GetObjectItemCaseSensitive(type, "members");
+        }
+    }
+    fail_msg("%s is not in the reflection", full);
+    return NULL;
+}
+
+// Bytes that a reflected member takes.
+static size_t measure_member(const cJSON* member)
+{
+    const cJSON* lengths = cJSON_GetObjectItemCaseSensitive(member, "array");
+    if (lengths != NULL)
+    {
+        assert_int_equal(cJSON_GetArraySize(lengths), 1);
+        return (size_t)cJSON_GetArrayItem(lengths, 0)->valuedouble *
+               find_size(member, "array_stride");
+    }
+    static const struct
+    {
+        const char* name;
+        size_t size;
+    } plain[] = {{"uint", 4}, {"float", 4}, {"uvec2", 8}, {"vec3", 12}, {"vec4", 16}};
+    for (size_t i = 0; i < sizeof(plain) / sizeof(plain[0]); ++i)
+    {
+        if (strcmp(find_text(member, "type"), plain[i].name) == 0)
+        {
+            return plain[i].size;
+        }
+    }
+    fail_msg("type %s is not known here", find_text(member, "type"));
+    return 0;
+}
+
+static void test_members(void** state)
+{
+    (void)state;
+    for (size_t i = 0; i < layout_count; ++i)
+    {
+        const cJSON* members = find_type("", layouts[i].name);
+        const Member* expected = layouts[i].members;
+        size_t end = 0; // without padding each member begins where the one before ends
+        const cJSON* member;
+        cJSON_ArrayForEach(member, members)
+        {
+            assert_non_null(expected->name);
+            assert_string_equal(find_text(member, "name"), expected->name);
+            assert_int_equal(find_size(member, "offset"), expected->offset);
+            assert_int_equal(measure_member(member), expected->size);
+            assert_int_equal(expected->offset, end);
+            end += expected->size;
+            ++expected;
+        }
+        assert_null(expected->name);
+        assert_int_equal(end, layouts[i].size);
+    }
+}
+
+static void test_strides(void** state)
+{
+    (void)state;
+    for (size_t i = 0; i < layout_count; ++i)
+    {
+        const cJSON* members = find_type("Buffer", layouts[i].name);
+        assert_int_equal(cJSON_GetArraySize(members), 1);
+        assert_int_equal(find_size(cJSON_GetArrayItem(members, 0), "array_stride"),
+                         layouts[i].size);
+    }
+}
+
+// No struct of the header is forgotten, neither here nor in the shader.
+static void test_every_struct_is_compared(void** state)
+{
+    (void)state;
+    LsFixtureBytes header = ls_fixture_read(LS_SOURCE_DIR "/format/include/ls_layout.h");
+    header.bytes[header.size] = '\0'; // ls_fixture_read leaves room for it
+    size_t found = 0;
+    const char* at = (const char*)header.bytes;
+    while ((at = strstr(at, "\nLS_STRUCT(")) != NULL)
+    {
+        at += strlen("\nLS_STRUCT(");
+        const size_t length = strcspn(at, ")");
+        bool known = false;
+        for (size_t i = 0; i < layout_count; ++i)
+        {
+            known = known || (strlen(layouts[i].name) == length &&
+                              strncmp(layouts[i].name, at, length) == 0);
+        }
+        if (!known)
+        {
+            fail_msg("%.*s is not compared", (int)length, at);
+        }
+        ++found;
+    }
+    assert_int_equal(found, layout_count);
+    ls_fixture_free(&header);
+}
+
+int main(int argument_count, char** arguments)
+{
+    if (argument_count < 2)
+    {
+        fprintf(stderr, "usage: test_layout REFLECTION.json\n");
+        return 1;
+    }
+    reflection_path = arguments[1];
+    LsFixtureBytes text = ls_fixture_read(reflection_path);
+    cJSON* root = cJSON_ParseWithLength((const char*)text.bytes, text.size);
+    ls_fixture_free(&text);
+    types = cJSON_GetObjectItemCaseSensitive(root, "types");
+    if (types == NULL)
+    {
+        fprintf(stderr, "test_layout: %s: no reflection\n", reflection_path);
+        return 1;
+    }
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_members),
+        cmocka_unit_test(test_strides),
+        cmocka_unit_test(test_every_struct_is_compared),
+    };
+    const int failures = cmocka_run_group_tests_name("layout", tests, NULL, NULL);
+    cJSON_Delete(root);
+    return failures;
+}
