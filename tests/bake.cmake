@@ -1,4 +1,27 @@
-# The baker against the slow oracles of tests/reference.
-add_library(ls_test_oracles STATIC reference/polytope.c)
-target_link_libraries(ls_test_oracles PRIVATE ls_options m)
-target_include_directories(ls_test_oracles PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+# The baker and the slow second opinions on it.
+find_package(OpenMP REQUIRED COMPONENTS C)
+
+# Written from the specification alone: the tracer that tests every triangle, the exact polytope test.
+add_library(ls_test_reference STATIC reference/polytope.c reference/ref_trace.c)
+target_include_directories(ls_test_reference PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(ls_test_reference PUBLIC ls_format PRIVATE ls_options OpenMP::OpenMP_C m)
+# Debug builds test every triangle too.
+set_source_files_properties(reference/ref_trace.c PROPERTIES
+    COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno")
+
+# Meshes, the files baked from them, and rays for those.
+add_library(ls_test_scenes STATIC baked.c meshes.c ray_sets.c)
+target_include_directories(ls_test_scenes PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_compile_definitions(ls_test_scenes PRIVATE
+    LS_SOURCE_DIR="${PROJECT_SOURCE_DIR}" LS_BINARY_DIR="${PROJECT_BINARY_DIR}")
+target_link_libraries(ls_test_scenes PUBLIC ls_bake ls_format PRIVATE ls_options PkgConfig::CMOCKA m)
+
+ls_add_test(NAME test_reference SOURCES test_reference.c
+    LIBRARIES ls_test_scenes ls_test_reference)
+
+# The separable shaft test is private to the baker.
+ls_add_test(NAME test_shafts SOURCES test_shafts.c LIBRARIES ls_bake ls_test_reference)
+target_include_directories(test_shafts PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
+ls_add_test(NAME test_voxels SOURCES test_voxels.c
+    LIBRARIES ls_test_scenes ls_test_reference)

@@ -53,7 +53,7 @@ add_test(NAME test_layers COMMAND ${CMAKE_COMMAND}
     -P ${CMAKE_CURRENT_SOURCE_DIR}/test_layers.cmake)
 
 set(libraries $<TARGET_FILE:ls_format> $<TARGET_FILE:ls_format_write>)
-foreach(library ls_bake ls_import ls_runtime)
+foreach(library ls_bake ls_import ls_runtime ls_app ls_render)
     if(TARGET ${library})
         list(APPEND libraries $<TARGET_FILE:${library}>)
     endif()
