@@ -1,5 +1,6 @@
-# Script: writes the words of the SPIR-V file SPIRV as the C array NAME into HEADER; SOURCE is named in it.
-# SPIR-V is a stream of 32-bit words in the byte order of the machine that compiled it; ours is little-endian.
+# Script: writes the words of the SPIR-V file SPIRV as the C array NAME into HEADER; SOURCE is named
+# in it. SPIR-V is a stream of 32-bit words in the byte order of the machine that compiled it; ours
+# is little-endian.
 file(READ ${SPIRV} bytes HEX)
 string(REGEX REPLACE "(..)(..)(..)(..)" "0x\\4\\3\\2\\1," words "${bytes}")
 string(REPEAT "..........," 8 line)

@@ -1,8 +1,9 @@
 # ls_add_shader(NAME SOURCE): GLSL to validated SPIR-V to a C array.
 #
-# Compiles SOURCE (stage by its ending, *.comp.glsl) and makes the interface library ls_shader_NAME. Who
-# links it can include "NAME_spv.h", which defines `static const uint32_t NAME_spv[]`; include it in one
-# file. #include in shaders finds shaders/ and format/include/; what was included is tracked.
+# Compiles SOURCE (stage by its ending, *.comp.glsl) and makes the interface library ls_shader_NAME.
+# Who links it can include "NAME_spv.h", which defines `static const uint32_t NAME_spv[]`; include
+# it in one file. #include in shaders finds shaders/ and format/include/; what was included is
+# tracked.
 find_program(LS_GLSLANG glslangValidator REQUIRED DOC "GLSL compiler (package glslang-tools)")
 find_program(LS_SPIRV_VAL spirv-val REQUIRED DOC "SPIR-V validator (package spirv-tools)")
 

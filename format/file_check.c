@@ -92,13 +92,8 @@ static bool is_fraction(float value)
 
 static bool is_zero(const void* bytes, uint64_t size)
 {
-    const uint8_t* byte = bytes;
-    uint8_t any = 0;
-    for (uint64_t i = 0; i < size; ++i)
-    {
-        any |= byte[i];
-    }
-    return any == 0;
+    const uint8_t* first = bytes;
+    return size == 0 || (*first == 0 && memcmp(first, first + 1, size - 1) == 0);
 }
 
 // ---- Chapters 2 and 4: scene --------------------------------------------------------------------
@@ -836,11 +831,8 @@ static LsResult check_references(const Check* check, VoxelPass* pass, const LsVo
 // Whether no mask has a bit at or above `count`, and the last word none behind the last mask.
 static bool is_clean_table(const uint32_t* words, uint64_t bits, uint32_t width, uint32_t count)
 {
-    uint32_t illegal = 0;
-    for (uint32_t bit = 0; bit < 32; ++bit)
-    {
-        illegal |= bit % width >= count ? 1u << bit : 0;
-    }
+    const uint64_t lanes = UINT32_MAX / ((1ull << width) - 1); // bit 0 of each mask of a word
+    const uint32_t illegal = ~(uint32_t)(lanes * ((1ull << count) - 1));
     const uint64_t word_count = (bits + 31) / 32;
     uint32_t any = 0;
     for (uint64_t i = 0; i < word_count && illegal != 0; ++i)

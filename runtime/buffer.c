@@ -2,8 +2,8 @@
 
 static const double MIB = 1024.0 * 1024.0;
 
-// The first type among `allowed` with all of `required`, if possible with all of `preferred`; UINT32_MAX
-// if there is none. Vulkan lists better types first.
+// The first type among `allowed` with all of `required`, if possible with all of `preferred`;
+// UINT32_MAX if there is none. Vulkan lists better types first.
 static uint32_t find_memory_type(const VkPhysicalDeviceMemoryProperties* memory, uint32_t allowed,
                                  VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred)
 {
@@ -14,18 +14,19 @@ static uint32_t find_memory_type(const VkPhysicalDeviceMemoryProperties* memory,
         if ((allowed >> i & 1u) && (flags & required) == required)
         {
             bool better = (flags & preferred) == preferred;
-            bool found_better =
-                found != UINT32_MAX && (memory->memoryTypes[found].propertyFlags & preferred) == preferred;
+            bool found_better = found != UINT32_MAX &&
+                                (memory->memoryTypes[found].propertyFlags & preferred) == preferred;
             found = better || !found_better ? i : found;
         }
     }
     return found;
 }
 
-static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, const char* name, const char* what,
-                                LsBuffer* buffer, LsError* error)
+static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, const char* name,
+                                const char* what, LsBuffer* buffer, LsError* error)
 {
-    const VkMemoryPropertyFlags mapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryPropertyFlags mapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     bool map = kind == LS_BUFFER_STAGING || context->unified;
     VkMemoryRequirements needs;
     context->vk.GetBufferMemoryRequirements(context->device, buffer->handle, &needs);
@@ -36,7 +37,8 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
                                VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (map ? mapped : 0), 0);
     if (type == UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE, "%s: the device has no kind of memory fit for %s", name, what);
+        return ls_error_set(error, LS_ERROR_DEVICE,
+                            "%s: the device has no kind of memory fit for %s", name, what);
     }
     VkMemoryAllocateFlagsInfo flags = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
@@ -52,10 +54,11 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
     if (code == VK_ERROR_OUT_OF_DEVICE_MEMORY)
     {
         buffer->memory = VK_NULL_HANDLE;
-        return ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
-                            "%s: vkAllocateMemory found no %.1f MiB of device memory for %s: close other programs "
-                            "that use the GPU, or bake with a smaller --grid or --patches",
-                            name, (double)needs.size / MIB, what);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_MEMORY,
+            "%s: vkAllocateMemory found no %.1f MiB of device memory for %s: close other programs "
+            "that use the GPU, or bake with a smaller --grid or --patches",
+            name, (double)needs.size / MIB, what);
     }
     if (code != VK_SUCCESS)
     {
@@ -69,20 +72,22 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
     }
     if (map)
     {
-        code = context->vk.MapMemory(context->device, buffer->memory, 0, VK_WHOLE_SIZE, 0, &buffer->mapped);
+        code = context->vk.MapMemory(context->device, buffer->memory, 0, VK_WHOLE_SIZE, 0,
+                                     &buffer->mapped);
     }
     return ls_vulkan_result(code, "vkMapMemory", error);
 }
 
-static LsResult fill_buffer(const LsContext* context, LsBufferKind kind, const char* name, const char* what,
-                            LsBuffer* buffer, LsError* error)
+static LsResult fill_buffer(const LsContext* context, LsBufferKind kind, const char* name,
+                            const char* what, LsBuffer* buffer, LsError* error)
 {
     VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = buffer->bytes,
-        .usage = kind == LS_BUFFER_STAGING ? VK_BUFFER_USAGE_TRANSFER_SRC_BIT
-                                           : VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                                 VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+        .usage = kind == LS_BUFFER_STAGING
+                     ? VK_BUFFER_USAGE_TRANSFER_SRC_BIT
+                     : VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                           VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
         .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
     };
     VkResult code = context->vk.CreateBuffer(context->device, &info, NULL, &buffer->handle);
@@ -103,17 +108,18 @@ static LsResult fill_buffer(const LsContext* context, LsBufferKind kind, const c
     return result;
 }
 
-LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceSize bytes, const char* name,
-                          const char* what, LsBuffer* buffer, LsError* error)
+LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceSize bytes,
+                          const char* name, const char* what, LsBuffer* buffer, LsError* error)
 {
     *buffer = (LsBuffer){.bytes = bytes};
     LsResult result;
     if (bytes > context->max_buffer_bytes)
     {
-        result = ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
-                              "%s: %s takes %.1f MiB, but the device's largest buffer is %.1f MiB: bake with a "
-                              "smaller --grid or --patches",
-                              name, what, (double)bytes / MIB, (double)context->max_buffer_bytes / MIB);
+        result = ls_error_set(
+            error, LS_ERROR_DEVICE_MEMORY,
+            "%s: %s takes %.1f MiB, but the device's largest buffer is %.1f MiB: bake with a "
+            "smaller --grid or --patches",
+            name, what, (double)bytes / MIB, (double)context->max_buffer_bytes / MIB);
     }
     else
     {

@@ -21,10 +21,10 @@ typedef struct LsBuffer
     void* mapped; // NULL when the host cannot see it
 } LsBuffer;
 
-// Creates a buffer of `bytes` >= 1. `name` (the file) and `what` (the array) are for messages. On failure
-// *buffer is zero. Errors: DEVICE_MEMORY, DEVICE, MEMORY.
-LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceSize bytes, const char* name,
-                          const char* what, LsBuffer* buffer, LsError* error);
+// Creates a buffer of `bytes` >= 1. `name` (the file) and `what` (the array) are for messages. On
+// failure *buffer is zero. Errors: DEVICE_MEMORY, DEVICE, MEMORY.
+LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceSize bytes,
+                          const char* name, const char* what, LsBuffer* buffer, LsError* error);
 void ls_buffer_destroy(const LsContext* context, LsBuffer* buffer); // a zero buffer is allowed
 
 #endif

@@ -11,17 +11,19 @@ LsResult ls_vulkan_result(VkResult code, const char* call, LsError* error)
     case VK_SUCCESS:
         return LS_OK;
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-        return ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
-                            "%s found too little device memory: close other programs that use the GPU, or "
-                            "bake with a smaller --grid or --patches",
-                            call);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_MEMORY,
+            "%s found too little device memory: close other programs that use the GPU, or "
+            "bake with a smaller --grid or --patches",
+            call);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
         return ls_error_set(error, LS_ERROR_MEMORY, "%s found too little memory", call);
     case VK_ERROR_DEVICE_LOST:
-        return ls_error_set(error, LS_ERROR_DEVICE_LOST,
-                            "%s lost the device: its driver was reset, often because one call took too long; "
-                            "try again with fewer rays at a time",
-                            call);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_LOST,
+            "%s lost the device: its driver was reset, often because one call took too long; "
+            "try again with fewer rays at a time",
+            call);
     default:
         return ls_error_set(error, LS_ERROR_DEVICE, "%s failed with VkResult %d", call, (int)code);
     }
@@ -37,15 +39,15 @@ typedef struct InstanceFunctions
     PFN_vkGetDeviceProcAddr GetDeviceProcAddr;
 } InstanceFunctions;
 
-static LsResult load_functions(const LsContextDesc* desc, InstanceFunctions* instance, LsDeviceFunctions* device,
-                               LsError* error)
+static LsResult load_functions(const LsContextDesc* desc, InstanceFunctions* instance,
+                               LsDeviceFunctions* device, LsError* error)
 {
-#define LOAD_INSTANCE_FUNCTION(name)                                                               \
-    instance->name = (PFN_vk##name)desc->get_instance_proc_addr(desc->instance, "vk" #name);       \
-    if (!instance->name)                                                                           \
-    {                                                                                              \
-        return ls_error_set(error, LS_ERROR_DEVICE,                                                \
-                            "the Vulkan instance has no vk" #name ": create it for Vulkan 1.2");   \
+#define LOAD_INSTANCE_FUNCTION(name)                                                             \
+    instance->name = (PFN_vk##name)desc->get_instance_proc_addr(desc->instance, "vk" #name);     \
+    if (!instance->name)                                                                         \
+    {                                                                                            \
+        return ls_error_set(error, LS_ERROR_DEVICE,                                              \
+                            "the Vulkan instance has no vk" #name ": create it for Vulkan 1.2"); \
     }
     LOAD_INSTANCE_FUNCTION(GetPhysicalDeviceProperties2)
     LOAD_INSTANCE_FUNCTION(GetPhysicalDeviceFeatures2)
@@ -54,19 +56,20 @@ static LsResult load_functions(const LsContextDesc* desc, InstanceFunctions* ins
     LOAD_INSTANCE_FUNCTION(GetDeviceProcAddr)
 #undef LOAD_INSTANCE_FUNCTION
 
-#define LOAD_DEVICE_FUNCTION(name)                                                                 \
-    device->name = (PFN_vk##name)instance->GetDeviceProcAddr(desc->device, "vk" #name);            \
-    if (!device->name)                                                                             \
-    {                                                                                              \
-        return ls_error_set(error, LS_ERROR_DEVICE,                                                \
-                            "the Vulkan device has no vk" #name ": update its driver");            \
+#define LOAD_DEVICE_FUNCTION(name)                                                      \
+    device->name = (PFN_vk##name)instance->GetDeviceProcAddr(desc->device, "vk" #name); \
+    if (!device->name)                                                                  \
+    {                                                                                   \
+        return ls_error_set(error, LS_ERROR_DEVICE,                                     \
+                            "the Vulkan device has no vk" #name ": update its driver"); \
     }
     LS_DEVICE_FUNCTION_LIST(LOAD_DEVICE_FUNCTION)
 #undef LOAD_DEVICE_FUNCTION
     return LS_OK;
 }
 
-static bool family_computes(const InstanceFunctions* vk, VkPhysicalDevice physical_device, uint32_t family)
+static bool family_computes(const InstanceFunctions* vk, VkPhysicalDevice physical_device,
+                            uint32_t family)
 {
     VkQueueFamilyProperties families[64]; // more than any device has; Vulkan fills what fits
     uint32_t count = sizeof(families) / sizeof(families[0]);
@@ -83,7 +86,8 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
             return false;
         }
     }
-    const VkMemoryPropertyFlags near = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+    const VkMemoryPropertyFlags near = VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT |
+                                       VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
                                        VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     for (uint32_t i = 0; i < memory->memoryTypeCount; i++)
     {
@@ -96,8 +100,8 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
 }
 
 // Fills the facts of the device and refuses one that cannot run the kernel.
-static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk, LsContext* context,
-                               LsError* error)
+static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk,
+                               LsContext* context, LsError* error)
 {
     VkPhysicalDeviceMaintenance4Properties buffers = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES,
@@ -118,8 +122,9 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     if (version < VK_API_VERSION_1_2)
     {
         return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                            "GPU %s has Vulkan %u.%u, but 1.2 is needed: update its driver", device_name,
-                            VK_API_VERSION_MAJOR(version), VK_API_VERSION_MINOR(version));
+                            "GPU %s has Vulkan %u.%u, but 1.2 is needed: update its driver",
+                            device_name, VK_API_VERSION_MAJOR(version),
+                            VK_API_VERSION_MINOR(version));
     }
     allocations.pNext = &driver;
     driver.pNext = version >= VK_API_VERSION_1_3 ? &buffers : NULL;
@@ -133,7 +138,8 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];
 
-    // The device must have been created with it; that it could have been is all one can ask afterwards.
+    // The device must have been created with it; that it could have been is all one can ask
+    // afterwards.
     VkPhysicalDeviceVulkan12Features features12 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
     };
@@ -144,15 +150,16 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     vk->GetPhysicalDeviceFeatures2(desc->physical_device, &features);
     if (!features12.bufferDeviceAddress)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                            "GPU %s lacks bufferDeviceAddress: update its driver or choose another device",
-                            device_name);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_FEATURE,
+            "GPU %s lacks bufferDeviceAddress: update its driver or choose another device",
+            device_name);
     }
     if (!family_computes(vk, desc->physical_device, desc->queue_family))
     {
         return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                            "queue family %u of GPU %s cannot compute: choose another family", desc->queue_family,
-                            device_name);
+                            "queue family %u of GPU %s cannot compute: choose another family",
+                            desc->queue_family, device_name);
     }
     vk->GetPhysicalDeviceMemoryProperties(desc->physical_device, &context->memory);
     context->unified = memory_is_unified(&context->memory);

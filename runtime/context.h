@@ -6,35 +6,36 @@
 #include "ls_runtime.h"
 
 // Every Vulkan function that the library calls on a device, without the prefix vk.
-#define LS_DEVICE_FUNCTION_LIST(X)                                                                 \
-    X(AllocateCommandBuffers)                                                                      \
-    X(AllocateMemory)                                                                              \
-    X(BeginCommandBuffer)                                                                          \
-    X(BindBufferMemory)                                                                            \
-    X(CmdBindPipeline)                                                                             \
-    X(CmdCopyBuffer)                                                                               \
-    X(CmdDispatch)                                                                                 \
-    X(CmdPipelineBarrier)                                                                          \
-    X(CmdPushConstants)                                                                            \
-    X(CreateBuffer)                                                                                \
-    X(CreateCommandPool)                                                                           \
-    X(CreateComputePipelines)                                                                      \
-    X(CreateFence)                                                                                 \
-    X(CreatePipelineLayout)                                                                        \
-    X(CreateShaderModule)                                                                          \
-    X(DestroyBuffer)                                                                               \
-    X(DestroyCommandPool)                                                                          \
-    X(DestroyFence)                                                                                \
-    X(DestroyPipeline)                                                                             \
-    X(DestroyPipelineLayout)                                                                       \
-    X(DestroyShaderModule)                                                                         \
-    X(EndCommandBuffer)                                                                            \
-    X(FreeMemory)                                                                                  \
-    X(GetBufferDeviceAddress)                                                                      \
-    X(GetBufferMemoryRequirements)                                                                 \
-    X(MapMemory)                                                                                   \
-    X(QueueSubmit)                                                                                 \
-    X(ResetFences)                                                                                 \
+#define LS_DEVICE_FUNCTION_LIST(X) \
+    X(AllocateCommandBuffers)      \
+    X(AllocateMemory)              \
+    X(BeginCommandBuffer)          \
+    X(BindBufferMemory)            \
+    X(CmdBindPipeline)             \
+    X(CmdCopyBuffer)               \
+    X(CmdDispatch)                 \
+    X(CmdPipelineBarrier)          \
+    X(CmdPushConstants)            \
+    X(CreateBuffer)                \
+    X(CreateCommandPool)           \
+    X(CreateComputePipelines)      \
+    X(CreateFence)                 \
+    X(CreatePipelineLayout)        \
+    X(CreateShaderModule)          \
+    X(DestroyBuffer)               \
+    X(DestroyCommandPool)          \
+    X(DestroyFence)                \
+    X(DestroyPipeline)             \
+    X(DestroyPipelineLayout)       \
+    X(DestroyShaderModule)         \
+    X(EndCommandBuffer)            \
+    X(FreeMemory)                  \
+    X(GetBufferDeviceAddress)      \
+    X(GetBufferMemoryRequirements) \
+    X(MapMemory)                   \
+    X(QueueSubmit)                 \
+    X(QueueWaitIdle)               \
+    X(ResetFences)                 \
     X(WaitForFences)
 
 typedef struct LsDeviceFunctions

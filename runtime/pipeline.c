@@ -9,7 +9,8 @@ LsResult ls_trace_shader_create(LsContext* context, LsError* error)
         .codeSize = sizeof(trace_spv),
         .pCode = trace_spv,
     };
-    VkResult code = context->vk.CreateShaderModule(context->device, &module, NULL, &context->trace_shader);
+    VkResult code =
+        context->vk.CreateShaderModule(context->device, &module, NULL, &context->trace_shader);
     if (code != VK_SUCCESS)
     {
         context->trace_shader = VK_NULL_HANDLE;
@@ -63,7 +64,8 @@ LsResult ls_trace_pipeline_create(const LsContext* context, uint64_t features, L
     values[GROUP_SIZE] = LS_TRACE_GROUP_SIZE;
     for (uint32_t i = 0; i < COUNT; i++)
     {
-        entries[i] = (VkSpecializationMapEntry){i, i * (uint32_t)sizeof(uint32_t), sizeof(uint32_t)};
+        entries[i] =
+            (VkSpecializationMapEntry){i, i * (uint32_t)sizeof(uint32_t), sizeof(uint32_t)};
     }
     VkSpecializationInfo specialization = {
         .mapEntryCount = COUNT,
@@ -83,8 +85,8 @@ LsResult ls_trace_pipeline_create(const LsContext* context, uint64_t features, L
             },
         .layout = context->trace_layout,
     };
-    VkResult code =
-        context->vk.CreateComputePipelines(context->device, VK_NULL_HANDLE, 1, &info, NULL, pipeline);
+    VkResult code = context->vk.CreateComputePipelines(context->device, VK_NULL_HANDLE, 1, &info,
+                                                       NULL, pipeline);
     if (code != VK_SUCCESS)
     {
         *pipeline = VK_NULL_HANDLE;

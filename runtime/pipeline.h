@@ -8,8 +8,8 @@
 // Rays per work group: one warp on the widest hardware in use; a CPU device likes it as well.
 #define LS_TRACE_GROUP_SIZE 32u
 
-// Fills context->trace_shader and trace_layout. On failure both are null. Errors: DEVICE_MEMORY, DEVICE,
-// MEMORY.
+// Fills context->trace_shader and trace_layout. On failure both are null. Errors: DEVICE_MEMORY,
+// DEVICE, MEMORY.
 LsResult ls_trace_shader_create(LsContext* context, LsError* error);
 void ls_trace_shader_destroy(LsContext* context);
 

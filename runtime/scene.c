@@ -5,21 +5,21 @@
 
 #include <stdlib.h>
 
-// The arrays that shaders read: chunk and the field of LsDeviceScene that says where it lies. Nodes and
-// cameras stay in the file.
-#define DEVICE_CHUNK_LIST(X)                                                                       \
-    X(OBJECTS, objects)                                                                            \
-    X(INSTANCES, instances)                                                                        \
-    X(TOP_NODES, top_nodes)                                                                        \
-    X(MATERIALS, materials)                                                                        \
-    X(LIGHTS, lights)                                                                              \
-    X(TRIANGLES, triangles)                                                                        \
-    X(BLOCKS, blocks)                                                                              \
-    X(CELL_BLOCKS, cell_blocks)                                                                    \
-    X(SUBGRIDS, subgrids)                                                                          \
-    X(VOXELS, voxels)                                                                              \
-    X(REFERENCES, references)                                                                      \
-    X(LEAF_NODES, leaf_nodes)                                                                      \
+// The arrays that shaders read: chunk and the field of LsDeviceScene that says where it lies. Nodes
+// and cameras stay in the file.
+#define DEVICE_CHUNK_LIST(X)    \
+    X(OBJECTS, objects)         \
+    X(INSTANCES, instances)     \
+    X(TOP_NODES, top_nodes)     \
+    X(MATERIALS, materials)     \
+    X(LIGHTS, lights)           \
+    X(TRIANGLES, triangles)     \
+    X(BLOCKS, blocks)           \
+    X(CELL_BLOCKS, cell_blocks) \
+    X(SUBGRIDS, subgrids)       \
+    X(VOXELS, voxels)           \
+    X(REFERENCES, references)   \
+    X(LEAF_NODES, leaf_nodes)   \
     X(SHAFTS, shafts)
 
 static bool lies_on_device(LsChunk chunk)
@@ -30,7 +30,8 @@ static bool lies_on_device(LsChunk chunk)
 static LsResult upload_array(LsScene* scene, LsUpload* upload, LsBuffer* buffer, const void* bytes,
                              VkDeviceSize size, const char* name, const char* what, LsError* error)
 {
-    LsResult result = ls_buffer_create(scene->context, LS_BUFFER_SCENE, size, name, what, buffer, error);
+    LsResult result =
+        ls_buffer_create(scene->context, LS_BUFFER_SCENE, size, name, what, buffer, error);
     if (result != LS_OK)
     {
         return result;
@@ -39,7 +40,8 @@ static LsResult upload_array(LsScene* scene, LsUpload* upload, LsBuffer* buffer,
     return ls_upload_copy(upload, buffer, bytes, size, error);
 }
 
-static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file, const char* name, LsError* error)
+static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file, const char* name,
+                            LsError* error)
 {
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
     {
@@ -64,7 +66,8 @@ static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file
         .light_count = ls_file_count(file, LS_CHUNK_LIGHTS),
         .transform_bound = file->header->transform_bound,
     };
-    return upload_array(scene, upload, &scene->table, &table, sizeof(table), name, "the table of arrays", error);
+    return upload_array(scene, upload, &scene->table, &table, sizeof(table), name,
+                        "the table of arrays", error);
 }
 
 static VkDeviceSize find_largest_upload(const LsFile* file)
@@ -95,7 +98,8 @@ static uint64_t count_brute_rounds(const LsFile* file)
 static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name, LsError* error)
 {
     LsUpload upload;
-    LsResult result = ls_upload_begin(&upload, scene->context, find_largest_upload(file), name, error);
+    LsResult result =
+        ls_upload_begin(&upload, scene->context, find_largest_upload(file), name, error);
     if (result == LS_OK)
     {
         result = upload_file(scene, &upload, file, name, error);
@@ -103,13 +107,15 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     // Both pipelines now rather than at their first use, which may be on any thread.
     for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE && result == LS_OK; method++)
     {
-        result = ls_trace_pipeline_create(scene->context, scene->features, method, &scene->pipelines[method], error);
+        result = ls_trace_pipeline_create(scene->context, scene->features, method,
+                                          &scene->pipelines[method], error);
     }
     LsResult ended = ls_upload_end(&upload, result == LS_OK ? error : NULL);
     return result == LS_OK ? ended : result;
 }
 
-LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* name, LsScene** scene, LsError* error)
+LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* name, LsScene** scene,
+                         LsError* error)
 {
     *scene = NULL;
     LsResult result = ls_file_check(file, name, error);

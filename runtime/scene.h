@@ -8,7 +8,7 @@
 struct LsScene
 {
     const LsContext* context;
-    uint64_t features; // required features of the file
+    uint64_t features;               // required features of the file
     LsBuffer chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
     LsBuffer table;                  // LsDeviceScene
     VkPipeline pipelines[2];         // by LsMethod

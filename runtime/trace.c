@@ -10,20 +10,23 @@ static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
 {
     if (desc->method != LS_TRACE_EXACT && desc->method != LS_TRACE_BRUTE)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown method %d", (int)desc->method);
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown method %d",
+                            (int)desc->method);
     }
     if ((desc->flags & ~KNOWN_FLAGS) != 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown ray flags 0x%X", desc->flags & ~KNOWN_FLAGS);
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown ray flags 0x%X",
+                            desc->flags & ~KNOWN_FLAGS);
     }
     if (desc->times != 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: times must be 0, files have no motion yet");
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "trace: times must be 0, files have no motion yet");
     }
     if (desc->ray_count > 1u << 31)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: %u rays are more than 2^31 in one call",
-                            desc->ray_count);
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "trace: %u rays are more than 2^31 in one call", desc->ray_count);
     }
     if (desc->ray_count != 0 && (desc->rays == 0 || desc->hits == 0))
     {
@@ -37,7 +40,8 @@ static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
     return LS_OK;
 }
 
-LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc, LsError* error)
+LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc,
+                         LsError* error)
 {
     LsResult result = check_desc(desc, error);
     if (result != LS_OK)
@@ -48,14 +52,17 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
     if (desc->method == LS_TRACE_BRUTE && scene->brute_rounds > context->max_loop_rounds)
     {
         return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                            "trace: llvmpipe ends loops after 65535 rounds, too few for brute force over this scene: "
+                            "trace: llvmpipe ends loops after 65535 rounds, too few for brute "
+                            "force over this scene: "
                             "choose a GPU or trace exactly");
     }
-    context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, scene->pipelines[desc->method]);
+    context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                scene->pipelines[desc->method]);
 
-    // One dispatch takes as many rays as the device allows work groups, but few enough that 32 bits hold
-    // every byte offset in its arrays.
-    uint32_t group_limit = context->max_group_count < MAX_GROUPS ? context->max_group_count : MAX_GROUPS;
+    // One dispatch takes as many rays as the device allows work groups, but few enough that 32 bits
+    // hold every byte offset in its arrays.
+    uint32_t group_limit =
+        context->max_group_count < MAX_GROUPS ? context->max_group_count : MAX_GROUPS;
     uint64_t limit = (uint64_t)group_limit * LS_TRACE_GROUP_SIZE;
     for (uint64_t first = 0; first < desc->ray_count; first += limit)
     {
@@ -68,8 +75,8 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
             .ray_count = (uint32_t)(rest < limit ? rest : limit),
             .flags = desc->flags,
         };
-        context->vk.CmdPushConstants(commands, context->trace_layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                     sizeof(params), &params);
+        context->vk.CmdPushConstants(commands, context->trace_layout, VK_SHADER_STAGE_COMPUTE_BIT,
+                                     0, sizeof(params), &params);
         uint32_t groups = (params.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE;
         context->vk.CmdDispatch(commands, groups, 1, 1);
     }

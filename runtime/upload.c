@@ -10,9 +10,11 @@ LsResult ls_upload_begin(LsUpload* upload, const LsContext* context, VkDeviceSiz
     {
         return LS_OK;
     }
-    upload->slot_bytes = largest_bytes < LS_UPLOAD_SLOT_BYTES ? largest_bytes : LS_UPLOAD_SLOT_BYTES;
-    LsResult result = ls_buffer_create(context, LS_BUFFER_STAGING, upload->slot_bytes * LS_UPLOAD_SLOTS, name,
-                                       "the staging ring", &upload->staging, error);
+    upload->slot_bytes =
+        largest_bytes < LS_UPLOAD_SLOT_BYTES ? largest_bytes : LS_UPLOAD_SLOT_BYTES;
+    LsResult result =
+        ls_buffer_create(context, LS_BUFFER_STAGING, upload->slot_bytes * LS_UPLOAD_SLOTS, name,
+                         "the staging ring", &upload->staging, error);
     if (result != LS_OK)
     {
         return result;
@@ -20,7 +22,8 @@ LsResult ls_upload_begin(LsUpload* upload, const LsContext* context, VkDeviceSiz
 
     VkCommandPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-        .flags = VK_COMMAND_POOL_CREATE_TRANSIENT_BIT | VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
+        .flags =
+            VK_COMMAND_POOL_CREATE_TRANSIENT_BIT | VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT,
         .queueFamilyIndex = context->queue_family,
     };
     VkResult code = context->vk.CreateCommandPool(context->device, &pool, NULL, &upload->pool);
@@ -60,19 +63,20 @@ static LsResult wait_slot(LsUpload* upload, uint32_t slot, LsError* error)
         return LS_OK;
     }
     const LsContext* context = upload->context;
-    VkResult code = context->vk.WaitForFences(context->device, 1, &upload->fences[slot], VK_TRUE, UINT64_MAX);
+    VkResult code =
+        context->vk.WaitForFences(context->device, 1, &upload->fences[slot], VK_TRUE, UINT64_MAX);
     if (code != VK_SUCCESS)
     {
         return ls_vulkan_result(code, "vkWaitForFences", error);
     }
     upload->busy[slot] = false;
-    return ls_vulkan_result(context->vk.ResetFences(context->device, 1, &upload->fences[slot]), "vkResetFences",
-                            error);
+    return ls_vulkan_result(context->vk.ResetFences(context->device, 1, &upload->fences[slot]),
+                            "vkResetFences", error);
 }
 
 // Submits the copy of one slot's `bytes` to `target` at `offset`.
-static LsResult submit_slot(LsUpload* upload, uint32_t slot, const LsBuffer* target, VkDeviceSize offset,
-                            VkDeviceSize bytes, LsError* error)
+static LsResult submit_slot(LsUpload* upload, uint32_t slot, const LsBuffer* target,
+                            VkDeviceSize offset, VkDeviceSize bytes, LsError* error)
 {
     const LsContext* context = upload->context;
     VkCommandBuffer commands = upload->commands[slot];
@@ -85,15 +89,17 @@ static LsResult submit_slot(LsUpload* upload, uint32_t slot, const LsBuffer* tar
     {
         return ls_vulkan_result(code, "vkBeginCommandBuffer", error);
     }
-    VkBufferCopy copy = {.srcOffset = slot * upload->slot_bytes, .dstOffset = offset, .size = bytes};
+    VkBufferCopy copy = {
+        .srcOffset = slot * upload->slot_bytes, .dstOffset = offset, .size = bytes};
     context->vk.CmdCopyBuffer(commands, upload->staging.handle, target->handle, 1, &copy);
     VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
         .srcAccessMask = VK_ACCESS_TRANSFER_WRITE_BIT,
         .dstAccessMask = VK_ACCESS_SHADER_READ_BIT,
     };
-    context->vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                                   0, 1, &barrier, 0, NULL, 0, NULL);
+    context->vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_TRANSFER_BIT,
+                                   VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0, NULL, 0,
+                                   NULL);
     code = context->vk.EndCommandBuffer(commands);
     if (code != VK_SUCCESS)
     {
@@ -109,8 +115,8 @@ static LsResult submit_slot(LsUpload* upload, uint32_t slot, const LsBuffer* tar
     return ls_vulkan_result(code, "vkQueueSubmit", error);
 }
 
-LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* bytes, VkDeviceSize size,
-                        LsError* error)
+LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* bytes,
+                        VkDeviceSize size, LsError* error)
 {
     if (buffer->mapped)
     {
@@ -119,7 +125,8 @@ LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* by
     }
     for (VkDeviceSize offset = 0; offset < size; offset += upload->slot_bytes)
     {
-        VkDeviceSize piece = size - offset < upload->slot_bytes ? size - offset : upload->slot_bytes;
+        VkDeviceSize piece =
+            size - offset < upload->slot_bytes ? size - offset : upload->slot_bytes;
         uint32_t slot = upload->next;
         upload->next = (slot + 1) % LS_UPLOAD_SLOTS;
         LsResult result = wait_slot(upload, slot, error);
@@ -127,7 +134,8 @@ LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* by
         {
             return result;
         }
-        memcpy((uint8_t*)upload->staging.mapped + slot * upload->slot_bytes, (const uint8_t*)bytes + offset, piece);
+        memcpy((uint8_t*)upload->staging.mapped + slot * upload->slot_bytes,
+               (const uint8_t*)bytes + offset, piece);
         result = submit_slot(upload, slot, buffer, offset, piece, error);
         if (result != LS_OK)
         {
@@ -145,6 +153,11 @@ LsResult ls_upload_end(LsUpload* upload, LsError* error)
     {
         LsResult waited = wait_slot(upload, i, result == LS_OK ? error : NULL);
         result = result == LS_OK ? waited : result;
+    }
+    if (result != LS_OK)
+    {
+        // A wait that failed proves nothing, and what the device still uses must not be destroyed.
+        context->vk.QueueWaitIdle(context->queue);
     }
     for (uint32_t i = 0; i < LS_UPLOAD_SLOTS; i++)
     {

@@ -1,7 +1,7 @@
 // upload.h - host bytes to scene buffers, byte for byte.
 //
-// Where memory is unified the bytes are copied straight into the buffer. Elsewhere they go through a ring
-// of staging slots, so that the host fills one while the device empties the others.
+// Where memory is unified the bytes are copied straight into the buffer. Elsewhere they go through
+// a ring of staging slots, so that the host fills one while the device empties the others.
 
 #ifndef LS_UPLOAD_H
 #define LS_UPLOAD_H
@@ -28,13 +28,13 @@ typedef struct LsUpload
 LsResult ls_upload_begin(LsUpload* upload, const LsContext* context, VkDeviceSize largest_bytes,
                          const char* name, LsError* error);
 
-// Copies `size` bytes to the beginning of a scene buffer; `bytes` may go away after the call. Errors: DEVICE_MEMORY,
-// DEVICE_LOST, DEVICE, MEMORY.
-LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* bytes, VkDeviceSize size,
-                        LsError* error);
+// Copies `size` bytes to the beginning of a scene buffer; `bytes` may go away after the call.
+// Errors: DEVICE_MEMORY, DEVICE_LOST, DEVICE, MEMORY.
+LsResult ls_upload_copy(LsUpload* upload, const LsBuffer* buffer, const void* bytes,
+                        VkDeviceSize size, LsError* error);
 
-// Waits for all copies and releases everything, whether or not it reports a failure. The bytes are then
-// visible to later compute shader reads on the same queue. Errors: as ls_upload_copy.
+// Waits for all copies and releases everything, whether or not it reports a failure. The bytes are
+// then visible to later compute shader reads on the same queue. Errors: as ls_upload_copy.
 LsResult ls_upload_end(LsUpload* upload, LsError* error);
 
 #endif

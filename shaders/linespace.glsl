@@ -50,10 +50,22 @@ bool ls_test_four(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
     return hit && (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 
-// Tests all triangles of an object, LS_BRUTE_ROUND a round: llvmpipe (Mesa 22.3) ends all loops of an invocation, without a word,
+// Tests all triangles of an object, those of long lists LS_BRUTE_ROUND a round: llvmpipe (Mesa 22.3) ends all loops of an invocation, without a word,
 // after 65535 rounds in sum.
 bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
 {
+    if (object.triangle_count <= LS_LIST_TRIANGLES)
+    {
+        for (uint i = 0u; i < object.triangle_count; i++)
+        {
+            if (ls_test_triangle(ray, best, object.first_triangle, i, instance, object_index, flags) &&
+                (flags & LS_RAY_FLAG_ANY_HIT) != 0u)
+            {
+                return true;
+            }
+        }
+        return false;
+    }
     for (uint i = 0u; i < object.triangle_count; i += LS_BRUTE_ROUND)
     {
         if (ls_test_four(ray, best, object, i, instance, object_index, flags) ||
@@ -332,7 +344,7 @@ bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint
     vec3 o = ray.origin;
     vec3 d = ray.direction;
     LsLocalRay local;
-    if (LS_HAS_TOP_LEVEL != 0u)
+    if (LS_HAS_TOP_LEVEL != 0u && (instance.flags & LS_INSTANCE_IDENTITY) == 0u)
     {
         for (int i = 0; i < 3; i++)
         {

@@ -44,11 +44,16 @@ LsHit trace(vec3 origin, vec3 direction, float tmax, uint flags)
 
 LsSurface load_surface(uint instance_index, uint triangle_index, vec2 weights)
 {
-    LsInstance instance = LsInstanceArray(ls_scene.instances).at[instance_index];
-    uint first_triangle = LsObjectArray(ls_scene.objects).at[instance.object].first_triangle;
-    return ls_surface(LsTriangleArray(ls_scene.triangles).at[first_triangle + triangle_index],
-                      instance.world_from_object, (instance.flags & LS_INSTANCE_MIRRORED) != 0u, weights,
-                      ls_scene.transform_bound);
+    LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
+    uint first_triangle = LsObjectArray(ls_scene.objects).at[instances.at[instance_index].object].first_triangle;
+    uint flags = instances.at[instance_index].flags;
+    vec4 rows[3] = vec4[3](vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0), vec4(0.0, 0.0, 1.0, 0.0));
+    if (LS_HAS_TOP_LEVEL != 0u && (flags & LS_INSTANCE_IDENTITY) == 0u)
+    {
+        rows = instances.at[instance_index].world_from_object;
+    }
+    return ls_surface(LsTriangleArray(ls_scene.triangles).at[first_triangle + triangle_index], rows,
+                      (flags & LS_INSTANCE_MIRRORED) != 0u, weights, ls_scene.transform_bound);
 }
 
 float luminance(vec3 color)

@@ -38,5 +38,6 @@ void main()
     }
     ls_scene_address = params.scene;
     uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
-    HitArray(params.hits).at[index] = ls_trace_ray(RayArray(params.rays).at[index], mask, params.flags);
+    LsRay ray = RayArray(params.rays).at[index];
+    HitArray(params.hits).at[index] = ls_trace_ray(ray, mask, params.flags);
 }

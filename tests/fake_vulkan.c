@@ -26,43 +26,51 @@ static bool shall_fail(const char* call)
     return true;
 }
 
-// ---- Calls that can fail -------------------------------------------------------------------------
+// ---- Calls that can fail -----------------------------------------------------------------------
 
-#define FAKE_CALL(name, parameters, arguments)                                                     \
-    static PFN_vk##name driver_##name;                                                             \
-    static VkResult VKAPI_CALL fake_##name parameters                                              \
-    {                                                                                              \
-        return shall_fail("vk" #name) ? ls_fake_vulkan.failure : driver_##name arguments;          \
+#define FAKE_CALL(name, parameters, arguments)                                            \
+    static PFN_vk##name driver_##name;                                                    \
+    static VkResult VKAPI_CALL fake_##name parameters                                     \
+    {                                                                                     \
+        return shall_fail("vk" #name) ? ls_fake_vulkan.failure : driver_##name arguments; \
     }
 
-FAKE_CALL(BeginCommandBuffer, (VkCommandBuffer commands, const VkCommandBufferBeginInfo* info), (commands, info))
-FAKE_CALL(BindBufferMemory, (VkDevice device, VkBuffer buffer, VkDeviceMemory memory, VkDeviceSize offset),
+FAKE_CALL(BeginCommandBuffer, (VkCommandBuffer commands, const VkCommandBufferBeginInfo* info),
+          (commands, info))
+FAKE_CALL(BindBufferMemory,
+          (VkDevice device, VkBuffer buffer, VkDeviceMemory memory, VkDeviceSize offset),
           (device, buffer, memory, offset))
 FAKE_CALL(EndCommandBuffer, (VkCommandBuffer commands), (commands))
 FAKE_CALL(MapMemory,
-          (VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size, VkMemoryMapFlags flags,
-           void** data),
+          (VkDevice device, VkDeviceMemory memory, VkDeviceSize offset, VkDeviceSize size,
+           VkMemoryMapFlags flags, void** data),
           (device, memory, offset, size, flags, data))
-FAKE_CALL(ResetFences, (VkDevice device, uint32_t count, const VkFence* fences), (device, count, fences))
-FAKE_CALL(WaitForFences, (VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all, uint64_t timeout),
+FAKE_CALL(ResetFences, (VkDevice device, uint32_t count, const VkFence* fences),
+          (device, count, fences))
+FAKE_CALL(WaitForFences,
+          (VkDevice device, uint32_t count, const VkFence* fences, VkBool32 all, uint64_t timeout),
           (device, count, fences, all, timeout))
 
 static PFN_vkQueueSubmit driver_QueueSubmit;
-static VkResult VKAPI_CALL fake_QueueSubmit(VkQueue queue, uint32_t count, const VkSubmitInfo* infos, VkFence fence)
+static VkResult VKAPI_CALL fake_QueueSubmit(VkQueue queue, uint32_t count,
+                                            const VkSubmitInfo* infos, VkFence fence)
 {
     ls_fake_vulkan.submit_count++;
-    return shall_fail("vkQueueSubmit") ? ls_fake_vulkan.failure : driver_QueueSubmit(queue, count, infos, fence);
+    return shall_fail("vkQueueSubmit") ? ls_fake_vulkan.failure
+                                       : driver_QueueSubmit(queue, count, infos, fence);
 }
 
 static PFN_vkAllocateCommandBuffers driver_AllocateCommandBuffers;
-static VkResult VKAPI_CALL fake_AllocateCommandBuffers(VkDevice device, const VkCommandBufferAllocateInfo* info,
+static VkResult VKAPI_CALL fake_AllocateCommandBuffers(VkDevice device,
+                                                       const VkCommandBufferAllocateInfo* info,
                                                        VkCommandBuffer* commands)
 {
-    return shall_fail("vkAllocateCommandBuffers") ? ls_fake_vulkan.failure
-                                                  : driver_AllocateCommandBuffers(device, info, commands);
+    return shall_fail("vkAllocateCommandBuffers")
+               ? ls_fake_vulkan.failure
+               : driver_AllocateCommandBuffers(device, info, commands);
 }
 
-// ---- Creation and destruction --------------------------------------------------------------------
+// ---- Creation and destruction ------------------------------------------------------------------
 
 // A failed creation leaves rubbish in the handle, as Vulkan allows: nobody may use or destroy it.
 static VkResult count_creation(VkResult code)
@@ -84,13 +92,13 @@ static VkResult count_creation(VkResult code)
         return count_creation(driver_##name(device, info, callbacks, object));                     \
     }
 
-#define FAKE_DESTROY(name, Object)                                                                 \
-    static PFN_vk##name driver_##name;                                                             \
-    static void VKAPI_CALL fake_##name(VkDevice device, Object object,                             \
-                                       const VkAllocationCallbacks* callbacks)                     \
-    {                                                                                              \
-        ls_fake_vulkan.live_objects -= object != VK_NULL_HANDLE;                                   \
-        driver_##name(device, object, callbacks);                                                  \
+#define FAKE_DESTROY(name, Object)                                             \
+    static PFN_vk##name driver_##name;                                         \
+    static void VKAPI_CALL fake_##name(VkDevice device, Object object,         \
+                                       const VkAllocationCallbacks* callbacks) \
+    {                                                                          \
+        ls_fake_vulkan.live_objects -= object != VK_NULL_HANDLE;               \
+        driver_##name(device, object, callbacks);                              \
     }
 
 FAKE_CREATE(AllocateMemory, VkMemoryAllocateInfo, VkDeviceMemory)
@@ -108,36 +116,40 @@ FAKE_DESTROY(DestroyPipelineLayout, VkPipelineLayout)
 FAKE_DESTROY(DestroyShaderModule, VkShaderModule)
 
 static PFN_vkCreateComputePipelines driver_CreateComputePipelines;
-static VkResult VKAPI_CALL fake_CreateComputePipelines(VkDevice device, VkPipelineCache cache, uint32_t count,
+static VkResult VKAPI_CALL fake_CreateComputePipelines(VkDevice device, VkPipelineCache cache,
+                                                       uint32_t count,
                                                        const VkComputePipelineCreateInfo* infos,
-                                                       const VkAllocationCallbacks* callbacks, VkPipeline* pipelines)
+                                                       const VkAllocationCallbacks* callbacks,
+                                                       VkPipeline* pipelines)
 {
     if (shall_fail("vkCreateComputePipelines"))
     {
         memset(pipelines, 0xDD, count * sizeof(*pipelines));
         return ls_fake_vulkan.failure;
     }
-    return count_creation(driver_CreateComputePipelines(device, cache, count, infos, callbacks, pipelines));
+    return count_creation(
+        driver_CreateComputePipelines(device, cache, count, infos, callbacks, pipelines));
 }
 
-// ---- Calls that are counted ----------------------------------------------------------------------
+// ---- Calls that are counted --------------------------------------------------------------------
 
 static PFN_vkCmdDispatch driver_CmdDispatch;
-static void VKAPI_CALL fake_CmdDispatch(VkCommandBuffer commands, uint32_t x, uint32_t y, uint32_t z)
+static void VKAPI_CALL fake_CmdDispatch(VkCommandBuffer commands, uint32_t x, uint32_t y,
+                                        uint32_t z)
 {
     ls_fake_vulkan.dispatch_count++;
     driver_CmdDispatch(commands, x, y, z);
 }
 
 static PFN_vkCmdCopyBuffer driver_CmdCopyBuffer;
-static void VKAPI_CALL fake_CmdCopyBuffer(VkCommandBuffer commands, VkBuffer from, VkBuffer to, uint32_t count,
-                                          const VkBufferCopy* regions)
+static void VKAPI_CALL fake_CmdCopyBuffer(VkCommandBuffer commands, VkBuffer from, VkBuffer to,
+                                          uint32_t count, const VkBufferCopy* regions)
 {
     ls_fake_vulkan.copy_count++;
     driver_CmdCopyBuffer(commands, from, to, count, regions);
 }
 
-// ---- What the device is like ---------------------------------------------------------------------
+// ---- What the device is like -------------------------------------------------------------------
 
 static PFN_vkGetPhysicalDeviceProperties2 driver_GetPhysicalDeviceProperties2;
 static void VKAPI_CALL fake_GetPhysicalDeviceProperties2(VkPhysicalDevice physical_device,
@@ -154,7 +166,8 @@ static void VKAPI_CALL fake_GetPhysicalDeviceProperties2(VkPhysicalDevice physic
     }
     for (VkBaseOutStructure* next = properties->pNext; next; next = next->pNext)
     {
-        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES && ls_fake_vulkan.driver)
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES &&
+            ls_fake_vulkan.driver)
         {
             ((VkPhysicalDeviceDriverProperties*)next)->driverID = ls_fake_vulkan.driver;
         }
@@ -171,7 +184,8 @@ static void take_features(VkPhysicalDeviceFeatures2* features)
 {
     for (VkBaseOutStructure* next = features->pNext; next; next = next->pNext)
     {
-        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES && ls_fake_vulkan.no_buffer_address)
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES &&
+            ls_fake_vulkan.no_buffer_address)
         {
             ((VkPhysicalDeviceVulkan12Features*)next)->bufferDeviceAddress = VK_FALSE;
         }
@@ -197,9 +211,8 @@ VKAPI_ATTR void VKAPI_CALL vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physica
 }
 
 static PFN_vkGetPhysicalDeviceQueueFamilyProperties driver_GetPhysicalDeviceQueueFamilyProperties;
-static void VKAPI_CALL fake_GetPhysicalDeviceQueueFamilyProperties(VkPhysicalDevice physical_device,
-                                                                   uint32_t* count,
-                                                                   VkQueueFamilyProperties* families)
+static void VKAPI_CALL fake_GetPhysicalDeviceQueueFamilyProperties(
+    VkPhysicalDevice physical_device, uint32_t* count, VkQueueFamilyProperties* families)
 {
     driver_GetPhysicalDeviceQueueFamilyProperties(physical_device, count, families);
     for (uint32_t i = 0; families && ls_fake_vulkan.no_compute && i < *count; i++)
@@ -208,26 +221,28 @@ static void VKAPI_CALL fake_GetPhysicalDeviceQueueFamilyProperties(VkPhysicalDev
     }
 }
 
-// Separate memory: type 0 is the driver's type 0 of which the host sees nothing, type 1 the same again in a
-// heap that is far from the device. Needs a driver whose type 0 the host can map, as a CPU device's.
+// Separate memory: type 0 is the driver's type 0 of which the host sees nothing, type 1 the same
+// again in a heap that is far from the device. Needs a driver whose type 0 the host can map, as a
+// CPU device's.
 static PFN_vkGetPhysicalDeviceMemoryProperties driver_GetPhysicalDeviceMemoryProperties;
-static void VKAPI_CALL fake_GetPhysicalDeviceMemoryProperties(VkPhysicalDevice physical_device,
-                                                              VkPhysicalDeviceMemoryProperties* memory)
+static void VKAPI_CALL fake_GetPhysicalDeviceMemoryProperties(
+    VkPhysicalDevice physical_device, VkPhysicalDeviceMemoryProperties* memory)
 {
     driver_GetPhysicalDeviceMemoryProperties(physical_device, memory);
     if (ls_fake_vulkan.separate_memory)
     {
         memory->memoryTypeCount = 2;
         memory->memoryTypes[0] = (VkMemoryType){VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT, 0};
-        memory->memoryTypes[1] =
-            (VkMemoryType){VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 1};
+        memory->memoryTypes[1] = (VkMemoryType){
+            VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 1};
         memory->memoryHeapCount = 2;
         memory->memoryHeaps[1] = (VkMemoryHeap){memory->memoryHeaps[0].size, 0};
     }
 }
 
 static PFN_vkGetBufferMemoryRequirements driver_GetBufferMemoryRequirements;
-static void VKAPI_CALL fake_GetBufferMemoryRequirements(VkDevice device, VkBuffer buffer, VkMemoryRequirements* needs)
+static void VKAPI_CALL fake_GetBufferMemoryRequirements(VkDevice device, VkBuffer buffer,
+                                                        VkMemoryRequirements* needs)
 {
     driver_GetBufferMemoryRequirements(device, buffer, needs);
     if (ls_fake_vulkan.separate_memory)
@@ -238,45 +253,46 @@ static void VKAPI_CALL fake_GetBufferMemoryRequirements(VkDevice device, VkBuffe
 
 // Memory of the made-up type 1 comes from type 0.
 static VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAllocateInfo* info,
-                                           const VkAllocationCallbacks* callbacks, VkDeviceMemory* memory)
+                                           const VkAllocationCallbacks* callbacks,
+                                           VkDeviceMemory* memory)
 {
     VkMemoryAllocateInfo changed = *info;
     changed.memoryTypeIndex = ls_fake_vulkan.separate_memory ? 0 : info->memoryTypeIndex;
     return fake_AllocateMemory(device, &changed, callbacks, memory);
 }
 
-// ---- By name -------------------------------------------------------------------------------------
+// ---- By name -----------------------------------------------------------------------------------
 
-#define FAKE_DEVICE_LIST(X)                                                                        \
-    X(AllocateCommandBuffers)                                                                      \
-    X(BeginCommandBuffer)                                                                          \
-    X(BindBufferMemory)                                                                            \
-    X(CmdCopyBuffer)                                                                               \
-    X(CmdDispatch)                                                                                 \
-    X(CreateBuffer)                                                                                \
-    X(CreateCommandPool)                                                                           \
-    X(CreateComputePipelines)                                                                      \
-    X(CreateFence)                                                                                 \
-    X(CreatePipelineLayout)                                                                        \
-    X(CreateShaderModule)                                                                          \
-    X(DestroyBuffer)                                                                               \
-    X(DestroyCommandPool)                                                                          \
-    X(DestroyFence)                                                                                \
-    X(DestroyPipeline)                                                                             \
-    X(DestroyPipelineLayout)                                                                       \
-    X(DestroyShaderModule)                                                                         \
-    X(EndCommandBuffer)                                                                            \
-    X(FreeMemory)                                                                                  \
-    X(GetBufferMemoryRequirements)                                                                 \
-    X(MapMemory)                                                                                   \
-    X(QueueSubmit)                                                                                 \
-    X(ResetFences)                                                                                 \
+#define FAKE_DEVICE_LIST(X)        \
+    X(AllocateCommandBuffers)      \
+    X(BeginCommandBuffer)          \
+    X(BindBufferMemory)            \
+    X(CmdCopyBuffer)               \
+    X(CmdDispatch)                 \
+    X(CreateBuffer)                \
+    X(CreateCommandPool)           \
+    X(CreateComputePipelines)      \
+    X(CreateFence)                 \
+    X(CreatePipelineLayout)        \
+    X(CreateShaderModule)          \
+    X(DestroyBuffer)               \
+    X(DestroyCommandPool)          \
+    X(DestroyFence)                \
+    X(DestroyPipeline)             \
+    X(DestroyPipelineLayout)       \
+    X(DestroyShaderModule)         \
+    X(EndCommandBuffer)            \
+    X(FreeMemory)                  \
+    X(GetBufferMemoryRequirements) \
+    X(MapMemory)                   \
+    X(QueueSubmit)                 \
+    X(ResetFences)                 \
     X(WaitForFences)
 
-#define FAKE_INSTANCE_LIST(X)                                                                      \
-    X(GetPhysicalDeviceFeatures2)                                                                  \
-    X(GetPhysicalDeviceMemoryProperties)                                                           \
-    X(GetPhysicalDeviceProperties2)                                                                \
+#define FAKE_INSTANCE_LIST(X)            \
+    X(GetPhysicalDeviceFeatures2)        \
+    X(GetPhysicalDeviceMemoryProperties) \
+    X(GetPhysicalDeviceProperties2)      \
     X(GetPhysicalDeviceQueueFamilyProperties)
 
 static bool is_missing(const char* name)
@@ -296,11 +312,11 @@ static PFN_vkVoidFunction VKAPI_CALL get_device_proc_addr(VkDevice device, const
         driver_AllocateMemory = (PFN_vkAllocateMemory)driver;
         return (PFN_vkVoidFunction)allocate_memory;
     }
-#define REPLACE(function)                                                                          \
-    if (strcmp(name, "vk" #function) == 0)                                                         \
-    {                                                                                              \
-        driver_##function = (PFN_vk##function)driver;                                              \
-        return (PFN_vkVoidFunction)fake_##function;                                                \
+#define REPLACE(function)                             \
+    if (strcmp(name, "vk" #function) == 0)            \
+    {                                                 \
+        driver_##function = (PFN_vk##function)driver; \
+        return (PFN_vkVoidFunction)fake_##function;   \
     }
     FAKE_DEVICE_LIST(REPLACE)
     return driver;

@@ -1,15 +1,16 @@
-// fake_vulkan.h - Vulkan as a test wants it: calls that fail, devices that lack things, live objects counted.
+// fake_vulkan.h - Vulkan as a test wants it: calls that fail, devices that lack things, live
+// objects counted.
 //
 // The functions stand between a library and the driver: hand ls_fake_get_instance_proc_addr to
-// ls_context_create. Of the functions that programs link, vkGetPhysicalDeviceFeatures2 is replaced. What is not faked goes straight to the driver. One test at a time.
+// ls_context_create. Of the functions that programs link, vkGetPhysicalDeviceFeatures2 is replaced.
+// What is not faked goes straight to the driver. One test at a time.
 
 #ifndef LS_TEST_FAKE_VULKAN_H
 #define LS_TEST_FAKE_VULKAN_H
 
-#include <vulkan/vulkan.h>
-
 #include <stdbool.h>
 #include <stdint.h>
+#include <vulkan/vulkan.h>
 
 // Set before a test; zero means: as the driver says.
 typedef struct LsFakeVulkan

@@ -14,6 +14,7 @@ ls_add_test(NAME test_roundtrip SOURCES test_roundtrip.c LIBRARIES ls_file_fixtu
 pkg_check_modules(CJSON REQUIRED IMPORTED_TARGET libcjson)
 ls_add_test(NAME test_lsinfo SOURCES test_lsinfo.c LIBRARIES ls_file_fixture PkgConfig::CJSON
     ARGS $<TARGET_FILE:lsinfo>)
+add_dependencies(test_lsinfo lsinfo)
 
 # C and GLSL layouts, compared through reflection.
 find_program(LS_GLSLANG glslangValidator REQUIRED DOC "GLSL compiler (package glslang-tools)")

@@ -1,11 +1,14 @@
 #include "gpu.h"
 
+// cmocka.h needs what stands before it.
+// clang-format off
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
 #include <cmocka.h>
+// clang-format on
+
 #include <string.h>
 
 static void require(LsResult result, const LsError* error)
@@ -40,7 +43,8 @@ void ls_gpu_scene_open(LsGpu* gpu, LsGpuScene* scene, const char* path)
     *scene = (LsGpuScene){0};
     LsError error;
     require(ls_mapping_open(&scene->mapping, path, &error), &error);
-    require(ls_file_open(&scene->file, scene->mapping.bytes, scene->mapping.size, path, &error), &error);
+    require(ls_file_open(&scene->file, scene->mapping.bytes, scene->mapping.size, path, &error),
+            &error);
     require(ls_scene_create(gpu->context, &scene->file, path, &scene->scene, &error), &error);
 }
 
@@ -51,8 +55,8 @@ void ls_gpu_scene_close(LsGpuScene* scene)
     *scene = (LsGpuScene){0};
 }
 
-double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags, const LsRay* rays,
-                    const uint32_t* masks, uint64_t count, LsHit* hits)
+double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags,
+                    const LsRay* rays, const uint32_t* masks, uint64_t count, LsHit* hits)
 {
     double total = 0;
     for (uint64_t first = 0; first < count; first += LS_GPU_BATCH)
@@ -63,10 +67,12 @@ double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32
         {
             memcpy(gpu->tracer.masks, masks + first, batch * sizeof(uint32_t));
         }
-        LsAppRun run = {.ray_count = batch, .flags = flags, .method = method, .use_masks = masks != NULL};
+        LsAppRun run = {
+            .ray_count = batch, .flags = flags, .method = method, .use_masks = masks != NULL};
         double seconds;
         LsError error;
-        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error), &error);
+        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error),
+                &error);
         memcpy(hits + first, gpu->tracer.hits, batch * sizeof(LsHit));
         total += seconds;
     }

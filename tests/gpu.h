@@ -1,7 +1,7 @@
 // gpu.h - for tests: a device, a file on it, rays in arrays to hits in arrays.
 //
-// Failures fail the calling cmocka test with the error's text; what the caller wants to see fail it does by
-// the library's own calls.
+// Failures fail the calling cmocka test with the error's text; what the caller wants to see fail it
+// does by the library's own calls.
 
 #ifndef LS_TEST_GPU_H
 #define LS_TEST_GPU_H
@@ -34,9 +34,9 @@ typedef struct LsGpuScene
 void ls_gpu_scene_open(LsGpu* gpu, LsGpuScene* scene, const char* path);
 void ls_gpu_scene_close(LsGpuScene* scene);
 
-// Traces rays[count] into hits[count]; masks[count] may be NULL, flags are LS_RAY_FLAG_*. Returns the seconds
-// that the kernel took by the GPU's clock.
-double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags, const LsRay* rays,
-                    const uint32_t* masks, uint64_t count, LsHit* hits);
+// Traces rays[count] into hits[count]; masks[count] may be NULL, flags are LS_RAY_FLAG_*. Returns
+// the seconds that the kernel took by the GPU's clock.
+double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags,
+                    const LsRay* rays, const uint32_t* masks, uint64_t count, LsHit* hits);
 
 #endif

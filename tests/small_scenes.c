@@ -1,11 +1,14 @@
 #include "small_scenes.h"
 
+// cmocka.h needs what stands before it.
+// clang-format off
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
 #include <cmocka.h>
+// clang-format on
+
 #include <stdlib.h>
 
 static const LsMaterial MATERIALS[2] = {
@@ -13,15 +16,18 @@ static const LsMaterial MATERIALS[2] = {
     {.base_color = {0, 1, 0}, .roughness = 1},
 };
 
-static LsTriangle make_triangle(LsVec3 v0, LsVec3 v1, LsVec3 v2, uint32_t primitive, uint32_t material)
+static LsTriangle make_triangle(LsVec3 v0, LsVec3 v1, LsVec3 v2, uint32_t primitive,
+                                uint32_t material)
 {
     return (LsTriangle){.v0 = v0, .v1 = v1, .v2 = v2, .primitive = primitive, .material = material};
 }
 
 static void make_quad(LsTriangle quad[2], float z, uint32_t first_primitive)
 {
-    quad[0] = make_triangle((LsVec3){0, 0, z}, (LsVec3){1, 0, z}, (LsVec3){1, 1, z}, first_primitive, 0);
-    quad[1] = make_triangle((LsVec3){0, 0, z}, (LsVec3){1, 1, z}, (LsVec3){0, 1, z}, first_primitive + 2, 1);
+    quad[0] =
+        make_triangle((LsVec3){0, 0, z}, (LsVec3){1, 0, z}, (LsVec3){1, 1, z}, first_primitive, 0);
+    quad[1] = make_triangle((LsVec3){0, 0, z}, (LsVec3){1, 1, z}, (LsVec3){0, 1, z},
+                            first_primitive + 2, 1);
 }
 
 // p = scale * (sign * x, y, z) + (move, 0, 0) from object to world.
@@ -29,7 +35,9 @@ static LsInstance make_instance(float scale, float sign, float move, uint32_t ma
 {
     bool identity = scale == 1 && sign == 1 && move == 0;
     return (LsInstance){
-        .object_from_world = {{sign / scale, 0, 0, 0 - sign * move / scale}, {0, 1 / scale, 0, 0}, {0, 0, 1 / scale, 0}},
+        .object_from_world = {{sign / scale, 0, 0, 0 - sign * move / scale},
+                              {0, 1 / scale, 0, 0},
+                              {0, 0, 1 / scale, 0}},
         .world_from_object = {{sign * scale, 0, 0, move}, {0, scale, 0, 0}, {0, 0, scale, 0}},
         .node = LS_NONE,
         .mask = mask,
@@ -153,10 +161,8 @@ static void write_instances(const char* path)
         make_instance(1, -1, 21, 4),
     };
     LsBvhNode nodes[5] = {
-        make_node(0, 21, 2, 5, 0),
-        make_node(0, 1, 1, 2, 0 << 4 | 1),
-        make_node(10, 21, 2, 5, 0),
-        make_node(10, 12, 2, 4, 1 << 4 | 1),
+        make_node(0, 21, 2, 5, 0),           make_node(0, 1, 1, 2, 0 << 4 | 1),
+        make_node(10, 21, 2, 5, 0),          make_node(10, 12, 2, 4, 1 << 4 | 1),
         make_node(20, 21, 1, 5, 2 << 4 | 1),
     };
     LsFileDesc desc = {
@@ -181,7 +187,8 @@ static void write_large(const char* path)
     {
         float x = (float)(i % LS_LARGE_SIDE);
         float y = (float)(i / LS_LARGE_SIDE);
-        triangles[i] = make_triangle((LsVec3){x, y, 0}, (LsVec3){x + 1, y, 0}, (LsVec3){x, y + 1, 0}, i, i % 2);
+        triangles[i] = make_triangle((LsVec3){x, y, 0}, (LsVec3){x + 1, y, 0},
+                                     (LsVec3){x, y + 1, 0}, i, i % 2);
     }
     LsObject object = make_list(count, count, LS_LARGE_SIDE);
     LsInstance instance = make_instance(1, 1, 0, 255);

@@ -1,8 +1,8 @@
-// small_scenes.h - the smallest .lspace files, put together by hand so that every hit is known. They exercise
-// the runtime without the baker.
+// small_scenes.h - the smallest .lspace files, put together by hand so that every hit is known.
+// They exercise the runtime without the baker.
 //
-// The quad is the unit square of the plane z = 0, two triangles that face +z:
-// primitive 0 (0,0)(1,0)(1,1) of material 0 and primitive 2 (0,0)(1,1)(0,1) of material 1 (1 was dropped).
+// The quad is the unit square of the plane z = 0, two triangles that face +z: primitive 0
+// (0,0)(1,0)(1,1) of material 0 and primitive 2 (0,0)(1,1)(0,1) of material 1 (1 was dropped).
 
 #ifndef LS_TEST_SMALL_SCENES_H
 #define LS_TEST_SMALL_SCENES_H
@@ -12,9 +12,9 @@
 typedef enum LsSmallScene
 {
     LS_SMALL_LIST,      // the quad as an object of kind list, one identity instance
-    LS_SMALL_GRID,      // the quad twice, at z = 0 and z = -1 (primitives 3 and 5), in a grid of one voxel with masks
+    LS_SMALL_GRID,      // the quad at z = 0 and at z = -1 (3 and 5), one voxel with masks
     LS_SMALL_INSTANCES, // three instances of the quad: see below
-    LS_SMALL_LARGE,     // LS_LARGE_SIDE^2 triangles in a list: more than the staging ring holds at once
+    LS_SMALL_LARGE, // LS_LARGE_SIDE^2 triangles in a list: more than the staging ring holds at once
     LS_SMALL_COUNT,
 } LsSmallScene;
 

@@ -156,7 +156,7 @@ static void test_text(void** state)
         "optional features  lights cameras nodes\n",
         "world bounds       (-1, -1, -1) to (7, 1, 1)\n",
         "TRIANGLES              43     48           2064    3.31%\n",
-        "objects            3 (1 lists, 2 grids)\n",
+        "objects            3: 1 list, 2 grid\n",
         "triangles          43 of 85 faces, 83 with all instances\n",
         "voxels             13: 3 list, 5 masks, 3 subgrid, 2 bvh\n",
         "sub-grids          3, at most 2 deep\n",

@@ -32,7 +32,7 @@ static char folder[] = "/tmp/ls_test_lstrace_XXXXXX";
 static char output[4096]; // of the last run, standard output
 static char errors[4096]; // and standard error
 
-// ---- Files and runs -----------------------------------------------------------------------------------
+// ---- Files and runs ----------------------------------------------------------------------------
 
 static size_t read_bytes(const char* name, void* bytes, size_t size)
 {
@@ -69,8 +69,8 @@ static int count_files(void)
     return count;
 }
 
-// Runs lstrace with arguments as the shell takes them; %s stands for the program. Returns its exit code; the texts are
-// in `output` and `errors`.
+// Runs lstrace with arguments as the shell takes them; %s stands for the program. Returns its exit
+// code; the texts are in `output` and `errors`.
 static int run_shell(const char* format)
 {
     char command[8192];
@@ -87,7 +87,8 @@ static int run_shell(const char* format)
 // The scene's hits as LS_SMALL_INSTANCES has them: quads in cells 0, 10, 11 and 20 of x.
 static LsRay make_ray(uint32_t i)
 {
-    LsRay ray = {.origin = {(float)(i % 22) + 0.75f, 0.25f, 1}, .direction = {0, 0, -1}, .tmax = INFINITY};
+    LsRay ray = {
+        .origin = {(float)(i % 22) + 0.75f, 0.25f, 1}, .direction = {0, 0, -1}, .tmax = INFINITY};
     if (i % 50 == 49)
     {
         ray.tmin = NAN;
@@ -141,13 +142,14 @@ static int tear_down(void** state)
     return system(command);
 }
 
-// ---- What it does -----------------------------------------------------------------------------------------
+// ---- What it does ------------------------------------------------------------------------------
 
 static void test_help_and_version(void** state)
 {
     (void)state;
     assert_int_equal(run_shell("%s --help"), LS_EXIT_OK);
-    const char* options[] = {"--rays", "-o", "--any", "--method", "--repeat", "--batch", "--device", "--quiet"};
+    const char* options[] = {"--rays",   "-o",      "--any",    "--method",
+                             "--repeat", "--batch", "--device", "--quiet"};
     for (size_t i = 0; i < sizeof(options) / sizeof(options[0]); i++)
     {
         assert_non_null(strstr(output, options[i]));
@@ -222,7 +224,8 @@ static void test_any_hit(void** state)
     {
         uint32_t instance = expect_instance(i);
         assert_int_equal(hits[i].instance, instance);
-        assert_float_equal(hits[i].t, instance == LS_NONE ? -1 : 0, 0);
+        float t = instance == LS_NONE ? -1 : 0; // the macro would cast a part of the expression
+        assert_float_equal(hits[i].t, t, 0);
         assert_float_equal(hits[i].u, 0, 0);
         assert_float_equal(hits[i].v, 0, 0);
     }
@@ -232,15 +235,18 @@ static void test_any_hit(void** state)
 static void test_repeat_prints_times(void** state)
 {
     (void)state;
-    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin --repeat 4 --quiet"), LS_EXIT_OK);
+    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin --repeat 4 --quiet"),
+                     LS_EXIT_OK);
     double median, least, most, speed;
     int repeats;
-    assert_int_equal(sscanf(output, "GPU time: median %lf ms, min %lf ms, max %lf ms of %d; %lf Mrays/s", &median,
-                            &least, &most, &repeats, &speed),
+    assert_int_equal(sscanf(output,
+                            "GPU time: median %lf ms, min %lf ms, max %lf ms of %d; %lf Mrays/s",
+                            &median, &least, &most, &repeats, &speed),
                      5);
     assert_int_equal(repeats, 4);
     assert_true(0 < least && least <= median && median <= most);
-    assert_true(fabs(speed - RAY_COUNT / median * 1e-3) <= 0.01 + 0.01 * speed); // both were rounded for print
+    assert_true(fabs(speed - RAY_COUNT / median * 1e-3) <=
+                0.01 + 0.01 * speed); // both were rounded for print
     assert_string_equal(strchr(output, '\n'), "\n");
     unlink("hits.bin");
 }
@@ -251,7 +257,8 @@ static void test_output_keeps_its_place(void** state)
     // A link stays a link, and what it names is replaced; the new file has the mode of a new file.
     assert_int_equal(symlink("folder/target.bin", "link.bin"), 0);
     write_bytes("folder/target.bin", "old", 3);
-    assert_int_equal(run_shell("umask 027; %s scene.lspace --rays rays.bin -o link.bin"), LS_EXIT_OK);
+    assert_int_equal(run_shell("umask 027; %s scene.lspace --rays rays.bin -o link.bin"),
+                     LS_EXIT_OK);
     struct stat status;
     assert_int_equal(lstat("link.bin", &status), 0);
     assert_true(S_ISLNK(status.st_mode));
@@ -266,10 +273,10 @@ static void test_output_keeps_its_place(void** state)
     assert_true(S_ISCHR(status.st_mode));
 }
 
-// ---- What it refuses ----------------------------------------------------------------------------------------
+// ---- What it refuses ---------------------------------------------------------------------------
 
-// One line on standard error that names `named`, nothing on standard output, no file left behind, and the older output
-// as it was.
+// One line on standard error that names `named`, nothing on standard output, no file left behind,
+// and the older output as it was.
 static void check_refused(const char* format, int exit_code, const char* named)
 {
     write_bytes("hits.bin", "older", 5);
@@ -312,7 +319,8 @@ static void test_wrong_usage(void** state)
         check_refused(CASES[i].command, LS_EXIT_USAGE, CASES[i].named);
     }
     // getopt_long begins its line with the program as it was called.
-    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin --fast"), LS_EXIT_USAGE);
+    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin --fast"),
+                     LS_EXIT_USAGE);
     assert_non_null(strstr(errors, "--fast"));
 }
 
@@ -323,11 +331,15 @@ static void test_wrong_rays(void** state)
     check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_EXIT_INPUT, odd);
     check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_EXIT_INPUT, "odd.bin: ");
     check_refused("%s scene.lspace --rays - -o hits.bin --batch 100 < odd.bin", LS_EXIT_INPUT, odd);
-    check_refused("cat odd.bin | %s scene.lspace --rays - -o hits.bin", LS_EXIT_INPUT, "standard input: ");
+    check_refused("cat odd.bin | %s scene.lspace --rays - -o hits.bin", LS_EXIT_INPUT,
+                  "standard input: ");
     check_refused("%s scene.lspace --rays nowhere.bin -o hits.bin", LS_EXIT_INPUT, "nowhere.bin");
-    check_refused("%s scene.lspace --rays empty.bin -o hits.bin", LS_EXIT_INPUT, "empty.bin: is empty");
-    check_refused("%s scene.lspace --rays - -o hits.bin < empty.bin", LS_EXIT_INPUT, "standard input: is empty");
-    check_refused("%s scene.lspace --rays folder -o hits.bin", LS_EXIT_INPUT, "folder: is a directory");
+    check_refused("%s scene.lspace --rays empty.bin -o hits.bin", LS_EXIT_INPUT,
+                  "empty.bin: is empty");
+    check_refused("%s scene.lspace --rays - -o hits.bin < empty.bin", LS_EXIT_INPUT,
+                  "standard input: is empty");
+    check_refused("%s scene.lspace --rays folder -o hits.bin", LS_EXIT_INPUT,
+                  "folder: is a directory");
 }
 
 static void test_wrong_scenes(void** state)
@@ -336,20 +348,25 @@ static void test_wrong_scenes(void** state)
     check_refused("%s nowhere.lspace --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "nowhere.lspace");
     check_refused("%s folder --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "folder");
     check_refused("%s empty.bin --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "empty.bin");
-    check_refused("%s foreign.lspace --rays rays.bin -o hits.bin", LS_EXIT_LSPACE, "foreign.lspace");
+    check_refused("%s foreign.lspace --rays rays.bin -o hits.bin", LS_EXIT_LSPACE,
+                  "foreign.lspace");
     check_refused("%s cut.lspace --rays rays.bin -o hits.bin", LS_EXIT_LSPACE, "cut.lspace");
 }
 
 static void test_wrong_outputs(void** state)
 {
     (void)state;
-    check_refused("%s scene.lspace --rays rays.bin -o folder", LS_EXIT_OUTPUT, "folder: is a directory");
-    check_refused("%s scene.lspace --rays rays.bin -o nowhere/hits.bin", LS_EXIT_OUTPUT, "nowhere/hits.bin");
+    check_refused("%s scene.lspace --rays rays.bin -o folder", LS_EXIT_OUTPUT,
+                  "folder: is a directory");
+    check_refused("%s scene.lspace --rays rays.bin -o nowhere/hits.bin", LS_EXIT_OUTPUT,
+                  "nowhere/hits.bin");
     check_refused("%s scene.lspace --rays rays.bin -o ''", LS_EXIT_OUTPUT, "cannot be written");
-    check_refused("%s scene.lspace --rays rays.bin -o /dev/full", LS_EXIT_OUTPUT, "/dev/full: no space left");
+    check_refused("%s scene.lspace --rays rays.bin -o /dev/full", LS_EXIT_OUTPUT,
+                  "/dev/full: no space left");
     // A file that may not grow so far: the same error in the middle of the work.
-    check_refused("trap '' XFSZ; ulimit -f 20; %s scene.lspace --rays rays.bin -o hits.bin --batch 500", LS_EXIT_OUTPUT,
-                  "hits.bin: no space left");
+    check_refused(
+        "trap '' XFSZ; ulimit -f 20; %s scene.lspace --rays rays.bin -o hits.bin --batch 500",
+        LS_EXIT_OUTPUT, "hits.bin: no space left");
 }
 
 static void test_no_device(void** state)
@@ -358,8 +375,8 @@ static void test_no_device(void** state)
     check_refused("VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json "
                   "%s scene.lspace --rays rays.bin -o hits.bin",
                   LS_EXIT_DEVICE, "no Vulkan driver was found: install mesa-vulkan-drivers");
-    check_refused("%s scene.lspace --rays rays.bin -o hits.bin --device 'no such GPU'", LS_EXIT_DEVICE,
-                  "\"no such GPU\"; there are: ");
+    check_refused("%s scene.lspace --rays rays.bin -o hits.bin --device 'no such GPU'",
+                  LS_EXIT_DEVICE, "\"no such GPU\"; there are: ");
 }
 
 int main(int argc, char** argv)
@@ -370,16 +387,11 @@ int main(int argc, char** argv)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_help_and_version),
-        cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_streaming),
-        cmocka_unit_test(test_any_hit),
-        cmocka_unit_test(test_repeat_prints_times),
-        cmocka_unit_test(test_output_keeps_its_place),
-        cmocka_unit_test(test_wrong_usage),
-        cmocka_unit_test(test_wrong_rays),
-        cmocka_unit_test(test_wrong_scenes),
-        cmocka_unit_test(test_wrong_outputs),
+        cmocka_unit_test(test_help_and_version),    cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_streaming),           cmocka_unit_test(test_any_hit),
+        cmocka_unit_test(test_repeat_prints_times), cmocka_unit_test(test_output_keeps_its_place),
+        cmocka_unit_test(test_wrong_usage),         cmocka_unit_test(test_wrong_rays),
+        cmocka_unit_test(test_wrong_scenes),        cmocka_unit_test(test_wrong_outputs),
         cmocka_unit_test(test_no_device),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -4,12 +4,15 @@
 #include "gpu.h"
 #include "small_scenes.h"
 
+// cmocka.h needs what stands before it.
+// clang-format off
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdint.h>
-
 #include <cmocka.h>
+// clang-format on
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -94,9 +97,10 @@ static LsHit trace_one(const LsGpuScene* scene, LsMethod method, uint32_t flags,
     return hit;
 }
 
-// ---- Answers --------------------------------------------------------------------------------------
+// ---- Answers -----------------------------------------------------------------------------------
 
-// In the quad's first triangle (0,0)(1,0)(1,1) a point is (u+v, v), in the second (0,0)(1,1)(0,1) it is (u, u+v).
+// In the quad's first triangle (0,0)(1,0)(1,1) a point is (u+v, v), in the second (0,0)(1,1)(0,1)
+// it is (u, u+v).
 static void test_known_hits(void** state)
 {
     (void)state;
@@ -257,10 +261,12 @@ static void test_culling(void** state)
         {
             assert_int_equal(trace_one(scene, METHODS[m], 0, front).instance, i);
             assert_int_equal(trace_one(scene, METHODS[m], 0, back).instance, i);
-            assert_int_equal(trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_BACK_FACING, front).instance, i);
+            assert_int_equal(
+                trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_BACK_FACING, front).instance, i);
             check_hit(trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_BACK_FACING, back), MISS);
             check_hit(trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_FRONT_FACING, front), MISS);
-            assert_int_equal(trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_FRONT_FACING, back).instance, i);
+            assert_int_equal(
+                trace_one(scene, METHODS[m], LS_RAY_FLAG_CULL_FRONT_FACING, back).instance, i);
         }
     }
 }
@@ -269,7 +275,8 @@ static void test_instances_and_masks(void** state)
 {
     (void)state;
     const LsGpuScene* scene = &scenes[LS_SMALL_INSTANCES];
-    const LsRay targets[3] = {ray_down(0.75f, 0.25f), ray_down(11.5f, 0.5f), ray_down(20.25f, 0.25f)};
+    const LsRay targets[3] = {ray_down(0.75f, 0.25f), ray_down(11.5f, 0.5f),
+                              ray_down(20.25f, 0.25f)};
     const LsHit expected = {.t = 1, .u = 0.5f, .v = 0.25f};
     LsRay rays[24];
     uint32_t masks[24];
@@ -306,7 +313,8 @@ static void test_no_rays(void** state)
     memset(untouched, 0xCC, sizeof(untouched));
     LsAppRun run = {.ray_count = 0};
     LsError error;
-    assert_int_equal(ls_app_tracer_run(&gpu.device, &gpu.tracer, scene->scene, &run, NULL, &error), LS_OK);
+    assert_int_equal(ls_app_tracer_run(&gpu.device, &gpu.tracer, scene->scene, &run, NULL, &error),
+                     LS_OK);
     assert_memory_equal(gpu.tracer.output.mapped, untouched, sizeof(untouched));
 }
 
@@ -332,7 +340,7 @@ static void test_facts_of_a_scene(void** state)
     }
 }
 
-// ---- Wrong calls and wrong files ---------------------------------------------------------------------
+// ---- Wrong calls and wrong files ---------------------------------------------------------------
 
 static void test_wrong_arguments(void** state)
 {
@@ -362,14 +370,17 @@ static void test_wrong_arguments(void** state)
     assert_int_equal(ls_app_commands_begin(&gpu.device, &commands, &error), LS_OK);
     for (int i = 0; i < 9; i++)
     {
-        assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], &error), LS_ERROR_ARGUMENT);
-        assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], NULL), LS_ERROR_ARGUMENT);
+        assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], &error),
+                         LS_ERROR_ARGUMENT);
+        assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], NULL),
+                         LS_ERROR_ARGUMENT);
     }
     assert_int_equal(ls_trace_record(scene->scene, commands, &good, &error), LS_OK);
     assert_int_equal(ls_app_commands_submit(&gpu.device, commands, &error), LS_OK);
 }
 
-// A file whose header is right and whose contents break a rule is refused before anything is uploaded.
+// A file whose header is right and whose contents break a rule is refused before anything is
+// uploaded.
 static void test_broken_rule(void** state)
 {
     (void)state;
@@ -383,7 +394,8 @@ static void test_broken_rule(void** state)
     assert_int_equal(ls_file_open(&file, bytes, mapping.size, "broken.lspace", &error), LS_OK);
     ((LsTriangle*)(bytes + file.chunk_entries[LS_CHUNK_TRIANGLES]->offset))->material = 2;
     LsScene* scene = (LsScene*)bytes;
-    assert_int_equal(ls_scene_create(gpu.context, &file, "broken.lspace", &scene, &error), LS_ERROR_RULE);
+    assert_int_equal(ls_scene_create(gpu.context, &file, "broken.lspace", &scene, &error),
+                     LS_ERROR_RULE);
     assert_null(scene);
     assert_non_null(strstr(error.text, "broken.lspace"));
     assert_non_null(strstr(error.text, "R4.4"));
@@ -391,7 +403,7 @@ static void test_broken_rule(void** state)
     ls_mapping_close(&mapping);
 }
 
-// ---- Devices as they may be ----------------------------------------------------------------------------
+// ---- Devices as they may be --------------------------------------------------------------------
 
 static LsContextDesc fake_desc(LsFakeVulkan fake)
 {
@@ -454,7 +466,8 @@ static void test_many_dispatches(void** state)
     }
 }
 
-// Where the device has memory of its own the file goes through the staging ring, several times round.
+// Where the device has memory of its own the file goes through the staging ring, several times
+// round.
 static void test_staging(void** state)
 {
     (void)state;
@@ -462,15 +475,30 @@ static void test_staging(void** state)
     open_faked(&faked, (LsFakeVulkan){.separate_memory = true});
     LsGpuScene scene;
     ls_gpu_scene_open(&faked, &scene, paths[LS_SMALL_LARGE]);
-    assert_int_equal(ls_fake_vulkan.copy_count, 3 + 4 + 1); // three small arrays, 15.2 MiB of triangles, the table
+    assert_int_equal(ls_fake_vulkan.copy_count,
+                     3 + 4 + 1); // three small arrays, 15.2 MiB of triangles, the table
     assert_int_equal(ls_fake_vulkan.submit_count, ls_fake_vulkan.copy_count);
 
     // Triangles at the seams of 4 MiB pieces, at both ends and between.
     const uint32_t seam = (4u << 20) / sizeof(LsTriangle);
     const uint32_t last = LS_LARGE_SIDE * LS_LARGE_SIDE - 1;
-    const uint32_t picked[] = {0,        1,        seam - 1,     seam,         seam + 1,     2 * seam - 1,   2 * seam,
-                               2 * seam + 1, 2 * seam + 2, 3 * seam - 1, 3 * seam, 3 * seam + 1, 3 * seam + 2, 3 * seam + 3,
-                               last / 2, last - 1, last};
+    const uint32_t picked[] = {0,
+                               1,
+                               seam - 1,
+                               seam,
+                               seam + 1,
+                               2 * seam - 1,
+                               2 * seam,
+                               2 * seam + 1,
+                               2 * seam + 2,
+                               3 * seam - 1,
+                               3 * seam,
+                               3 * seam + 1,
+                               3 * seam + 2,
+                               3 * seam + 3,
+                               last / 2,
+                               last - 1,
+                               last};
     enum
     {
         COUNT = sizeof(picked) / sizeof(picked[0])
@@ -486,8 +514,10 @@ static void test_staging(void** state)
     ls_gpu_trace(&faked, &scene, LS_TRACE_BRUTE, 0, rays, NULL, COUNT, hits);
     for (int i = 0; i < COUNT; i++)
     {
-        check_hit(hits[i],
-                  (LsHit){.t = 1, .u = 0.25f, .v = 0.5f, .primitive = picked[i], .material = picked[i] % 2});
+        check_hit(
+            hits[i],
+            (LsHit){
+                .t = 1, .u = 0.25f, .v = 0.5f, .primitive = picked[i], .material = picked[i] % 2});
     }
     ls_gpu_scene_close(&scene);
     close_faked(&faked);
@@ -508,13 +538,18 @@ static void check_context_refused(LsFakeVulkan fake, LsResult expected, const ch
 static void test_devices_that_lack_something(void** state)
 {
     (void)state;
-    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE, "bufferDeviceAddress");
-    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE, gpu.device.name);
-    check_context_refused((LsFakeVulkan){.no_compute = true}, LS_ERROR_DEVICE_FEATURE, "cannot compute");
-    check_context_refused((LsFakeVulkan){.api_version = VK_API_VERSION_1_1}, LS_ERROR_DEVICE_FEATURE, "1.1");
-    check_context_refused((LsFakeVulkan){.missing_function = "vkGetDeviceProcAddr"}, LS_ERROR_DEVICE,
-                          "vkGetDeviceProcAddr");
-    check_context_refused((LsFakeVulkan){.missing_function = "vkCmdDispatch"}, LS_ERROR_DEVICE, "vkCmdDispatch");
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE,
+                          "bufferDeviceAddress");
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE,
+                          gpu.device.name);
+    check_context_refused((LsFakeVulkan){.no_compute = true}, LS_ERROR_DEVICE_FEATURE,
+                          "cannot compute");
+    check_context_refused((LsFakeVulkan){.api_version = VK_API_VERSION_1_1},
+                          LS_ERROR_DEVICE_FEATURE, "1.1");
+    check_context_refused((LsFakeVulkan){.missing_function = "vkGetDeviceProcAddr"},
+                          LS_ERROR_DEVICE, "vkGetDeviceProcAddr");
+    check_context_refused((LsFakeVulkan){.missing_function = "vkCmdDispatch"}, LS_ERROR_DEVICE,
+                          "vkCmdDispatch");
 }
 
 // The programs ask the loader's own functions before they create a device.
@@ -542,9 +577,11 @@ static void test_array_larger_than_a_buffer(void** state)
     LsFile file;
     LsError error;
     assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LARGE], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error),
+                     LS_OK);
     LsScene* scene;
-    assert_int_equal(ls_scene_create(faked.context, &file, "large.lspace", &scene, &error), LS_ERROR_DEVICE_MEMORY);
+    assert_int_equal(ls_scene_create(faked.context, &file, "large.lspace", &scene, &error),
+                     LS_ERROR_DEVICE_MEMORY);
     assert_null(scene);
     assert_non_null(strstr(error.text, "large.lspace: TRIANGLES takes 15.2 MiB"));
     assert_non_null(strstr(error.text, "14.0 MiB"));
@@ -560,7 +597,8 @@ static void test_brute_force_beyond_the_loops(void** state)
     LsFile file;
     LsError error;
     assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LARGE], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error),
+                     LS_OK);
     LsFileDesc desc = ls_file_desc(&file);
     const LsInstance instances[2] = {file.instances[0], file.instances[0]};
     const float side = LS_LARGE_SIDE;
@@ -581,13 +619,15 @@ static void test_brute_force_beyond_the_loops(void** state)
     for (int i = 0; i < 2; i++)
     {
         LsGpu faked;
-        open_faked(&faked, (LsFakeVulkan){.driver = i == 0 ? VK_DRIVER_ID_MESA_LLVMPIPE : VK_DRIVER_ID_MESA_RADV});
+        open_faked(&faked, (LsFakeVulkan){.driver = i == 0 ? VK_DRIVER_ID_MESA_LLVMPIPE
+                                                           : VK_DRIVER_ID_MESA_RADV});
         LsGpuScene scene;
         ls_gpu_scene_open(&faked, &scene, path);
         LsAppRun run = {.ray_count = 1, .method = LS_TRACE_BRUTE};
         gpu.tracer.rays[0] = ray_down(0.25f, 0.5f);
-        assert_int_equal(ls_app_tracer_run(&gpu.device, &gpu.tracer, scene.scene, &run, NULL, &error),
-                         i == 0 ? LS_ERROR_DEVICE_FEATURE : LS_OK);
+        assert_int_equal(
+            ls_app_tracer_run(&gpu.device, &gpu.tracer, scene.scene, &run, NULL, &error),
+            i == 0 ? LS_ERROR_DEVICE_FEATURE : LS_OK);
         ls_gpu_scene_close(&scene);
         close_faked(&faked);
     }
@@ -632,7 +672,8 @@ static uint32_t fail_each_call(bool separate_memory)
     LsFile file;
     LsError error;
     assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error),
+                     LS_OK);
     uint32_t n = 0;
     for (;; n++)
     {
@@ -664,8 +705,8 @@ static void test_each_call_fails_once(void** state)
     (void)state;
     // Two calls for the shader, two pipelines; five buffers of four calls each.
     assert_int_equal(fail_each_call(false), 2 + 2 + 5 * 4);
-    // Nothing is mapped but the ring (four calls, pool, commands, three fences); each array is begun, ended,
-    // submitted; five waits and resets, for the ring has three slots.
+    // Nothing is mapped but the ring (four calls, pool, commands, three fences); each array is
+    // begun, ended, submitted; five waits and resets, for the ring has three slots.
     assert_int_equal(fail_each_call(true), 2 + 2 + 5 * 3 + 4 + 1 + 1 + 3 + 5 * 3 + 5 * 2);
 }
 

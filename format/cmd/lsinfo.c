@@ -51,11 +51,7 @@ typedef struct Summary
 // Masks of `words` that have a bit set; `bits` is what all of them take.
 static uint64_t count_filled(const uint32_t* words, uint64_t bits, uint32_t width)
 {
-    uint32_t lowest = 0; // the first bit of each mask of a word
-    for (uint32_t bit = 0; bit < 32; bit += width)
-    {
-        lowest |= 1u << bit;
-    }
+    const uint32_t lowest = (uint32_t)(UINT32_MAX / ((1ull << width) - 1)); // bit 0 of each mask
     uint64_t filled = 0;
     for (uint64_t i = 0; i * 32 < bits; ++i)
     {
@@ -252,7 +248,7 @@ static void print_chunks(const LsFile* file, const Summary* summary)
 static void print_scene(const LsFile* file, const Summary* summary)
 {
     const uint64_t voxels = ls_file_count(file, LS_CHUNK_VOXELS);
-    printf("%-18s %u (%u lists, %u grids)\n", "objects", ls_file_count(file, LS_CHUNK_OBJECTS),
+    printf("%-18s %u: %u list, %u grid\n", "objects", ls_file_count(file, LS_CHUNK_OBJECTS),
            summary->list_object_count, summary->grid_object_count);
     printf("%-18s %u\n", "instances", ls_file_count(file, LS_CHUNK_INSTANCES));
     printf("%-18s %" PRIu64 " of %" PRIu64 " faces, %" PRIu64 " with all instances\n", "triangles",

@@ -13,13 +13,15 @@ LsResult ls_app_vk_result(VkResult code, const char* call, LsError* error)
     case VK_SUCCESS:
         return LS_OK;
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
-        return ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
-                            "%s found too little device memory: close other programs that use the GPU", call);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_MEMORY,
+            "%s found too little device memory: close other programs that use the GPU", call);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
         return ls_error_set(error, LS_ERROR_MEMORY, "%s found too little memory", call);
     case VK_ERROR_DEVICE_LOST:
-        return ls_error_set(error, LS_ERROR_DEVICE_LOST,
-                            "%s lost the device: its driver was reset, often because one call took too long", call);
+        return ls_error_set(
+            error, LS_ERROR_DEVICE_LOST,
+            "%s lost the device: its driver was reset, often because one call took too long", call);
     default:
         return ls_error_set(error, LS_ERROR_DEVICE, "%s failed with VkResult %d", call, (int)code);
     }
@@ -33,7 +35,8 @@ static LsResult create_instance(LsAppDevice* device, const LsAppDeviceDesc* desc
     VkApplicationInfo application = {
         .sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
         .pApplicationName = "linespace",
-        .apiVersion = VK_API_VERSION_1_3, // the newest that may be asked about; 1.2 is what is needed
+        .apiVersion =
+            VK_API_VERSION_1_3, // the newest that may be asked about; 1.2 is what is needed
     };
     VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
@@ -47,12 +50,14 @@ static LsResult create_instance(LsAppDevice* device, const LsAppDeviceDesc* desc
     case VK_ERROR_INCOMPATIBLE_DRIVER:
         device->instance = VK_NULL_HANDLE;
         return ls_error_set(error, LS_ERROR_NO_VULKAN,
-                            "no Vulkan driver was found: install mesa-vulkan-drivers (it brings a software device as "
+                            "no Vulkan driver was found: install mesa-vulkan-drivers (it brings a "
+                            "software device as "
                             "well) or your GPU's own driver");
     case VK_ERROR_LAYER_NOT_PRESENT:
         device->instance = VK_NULL_HANDLE;
-        return ls_error_set(error, LS_ERROR_NO_VULKAN,
-                            "%s was not found: install vulkan-validationlayers or unset LS_VALIDATION", layer);
+        return ls_error_set(
+            error, LS_ERROR_NO_VULKAN,
+            "%s was not found: install vulkan-validationlayers or unset LS_VALIDATION", layer);
     default:
         device->instance = code == VK_SUCCESS ? device->instance : VK_NULL_HANDLE;
         return ls_app_vk_result(code, "vkCreateInstance", error);
@@ -98,7 +103,8 @@ static const char* find_lack(VkPhysicalDevice physical_device)
         return "bufferDeviceAddress";
     }
     uint32_t timestamp_bits;
-    return find_queue_family(physical_device, &timestamp_bits) == UINT32_MAX ? "a compute queue" : NULL;
+    return find_queue_family(physical_device, &timestamp_bits) == UINT32_MAX ? "a compute queue"
+                                                                             : NULL;
 }
 
 static int rank_type(VkPhysicalDeviceType type)
@@ -188,16 +194,18 @@ static LsResult choose_device(LsAppDevice* device, const char* wanted, LsError* 
     if (lack)
     {
         return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                            "GPU %s lacks %s: update its driver, or install mesa-vulkan-drivers for a software device",
+                            "GPU %s lacks %s: update its driver, or install mesa-vulkan-drivers "
+                            "for a software device",
                             lacking_name, lack);
     }
     if (wanted && count > 0)
     {
-        return ls_error_set(error, LS_ERROR_NO_DEVICE, "no Vulkan device is called \"%s\"; there are: %s", wanted,
-                            names);
+        return ls_error_set(error, LS_ERROR_NO_DEVICE,
+                            "no Vulkan device is called \"%s\"; there are: %s", wanted, names);
     }
-    return ls_error_set(error, LS_ERROR_NO_DEVICE,
-                        "no Vulkan device was found: install mesa-vulkan-drivers for a software device");
+    return ls_error_set(
+        error, LS_ERROR_NO_DEVICE,
+        "no Vulkan device was found: install mesa-vulkan-drivers for a software device");
 }
 
 static LsResult create_device(LsAppDevice* device, LsError* error)
@@ -330,7 +338,8 @@ LsContextDesc ls_app_context_desc(const LsAppDevice* device)
 }
 
 // The first memory type among `allowed` with all of `flags`; UINT32_MAX if there is none.
-static uint32_t find_memory_type(const LsAppDevice* device, uint32_t allowed, VkMemoryPropertyFlags flags)
+static uint32_t find_memory_type(const LsAppDevice* device, uint32_t allowed,
+                                 VkMemoryPropertyFlags flags)
 {
     for (uint32_t i = 0; i < device->memory.memoryTypeCount; i++)
     {
@@ -343,14 +352,17 @@ static uint32_t find_memory_type(const LsAppDevice* device, uint32_t allowed, Vk
 }
 
 // Chooses by what the memory is for; *map says whether the host sees it.
-static uint32_t choose_memory_type(const LsAppDevice* device, LsAppMemory where, uint32_t allowed, bool* map)
+static uint32_t choose_memory_type(const LsAppDevice* device, LsAppMemory where, uint32_t allowed,
+                                   bool* map)
 {
-    const VkMemoryPropertyFlags mapped = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+    const VkMemoryPropertyFlags mapped =
+        VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
     *map = where != LS_APP_MEMORY_DEVICE || device->is_cpu;
     uint32_t type = UINT32_MAX;
     if (where == LS_APP_MEMORY_DEVICE)
     {
-        return find_memory_type(device, allowed, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (*map ? mapped : 0));
+        return find_memory_type(device, allowed,
+                                VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (*map ? mapped : 0));
     }
     if (where == LS_APP_MEMORY_READBACK)
     {
@@ -359,14 +371,16 @@ static uint32_t choose_memory_type(const LsAppDevice* device, LsAppMemory where,
     return type != UINT32_MAX ? type : find_memory_type(device, allowed, mapped);
 }
 
-static LsResult fill_buffer(const LsAppDevice* device, LsAppMemory where, LsAppBuffer* buffer, LsError* error)
+static LsResult fill_buffer(const LsAppDevice* device, LsAppMemory where, LsAppBuffer* buffer,
+                            LsError* error)
 {
     const double mib = 1024.0 * 1024.0;
     if (buffer->bytes > device->max_buffer_bytes)
     {
         return ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
                             "a buffer of %.1f MiB was asked for, but the largest of %s is %.1f MiB",
-                            (double)buffer->bytes / mib, device->name, (double)device->max_buffer_bytes / mib);
+                            (double)buffer->bytes / mib, device->name,
+                            (double)device->max_buffer_bytes / mib);
     }
     VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
@@ -396,7 +410,8 @@ static LsResult fill_buffer(const LsAppDevice* device, LsAppMemory where, LsAppB
     };
     if (memory.memoryTypeIndex == UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE, "GPU %s has no kind of memory fit for a buffer", device->name);
+        return ls_error_set(error, LS_ERROR_DEVICE, "GPU %s has no kind of memory fit for a buffer",
+                            device->name);
     }
     code = vkAllocateMemory(device->device, &memory, NULL, &buffer->memory);
     if (code != VK_SUCCESS)
@@ -507,8 +522,9 @@ void ls_app_commands_drop(const LsAppDevice* device, VkCommandBuffer commands)
 
 void ls_app_commands_barrier(VkCommandBuffer commands)
 {
-    const VkPipelineStageFlags stages =
-        VK_PIPELINE_STAGE_HOST_BIT | VK_PIPELINE_STAGE_TRANSFER_BIT | VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
+    const VkPipelineStageFlags stages = VK_PIPELINE_STAGE_HOST_BIT |
+                                        VK_PIPELINE_STAGE_TRANSFER_BIT |
+                                        VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT;
     VkMemoryBarrier barrier = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
         .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
@@ -542,11 +558,13 @@ LsResult ls_app_clock_read(const LsAppDevice* device, double* seconds, LsError* 
         return LS_OK;
     }
     uint64_t ticks[2];
-    VkResult code = vkGetQueryPoolResults(device->device, device->clock, 0, 2, sizeof(ticks), ticks, sizeof(ticks[0]),
-                                          VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    VkResult code =
+        vkGetQueryPoolResults(device->device, device->clock, 0, 2, sizeof(ticks), ticks,
+                              sizeof(ticks[0]), VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
     if (code == VK_SUCCESS)
     {
-        *seconds = (double)((ticks[1] - ticks[0]) & device->timestamp_mask) * device->timestamp_seconds;
+        *seconds =
+            (double)((ticks[1] - ticks[0]) & device->timestamp_mask) * device->timestamp_seconds;
     }
     return ls_app_vk_result(code, "vkGetQueryPoolResults", error);
 }

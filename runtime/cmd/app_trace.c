@@ -10,20 +10,22 @@ static VkDeviceSize output_bytes(uint32_t capacity)
     return (VkDeviceSize)capacity * sizeof(LsHit);
 }
 
-LsResult ls_app_tracer_create(const LsAppDevice* device, uint32_t capacity, LsAppTracer* tracer, LsError* error)
+LsResult ls_app_tracer_create(const LsAppDevice* device, uint32_t capacity, LsAppTracer* tracer,
+                              LsError* error)
 {
     *tracer = (LsAppTracer){.capacity = capacity};
-    LsResult result =
-        ls_app_buffer_create(device, LS_APP_MEMORY_UPLOAD, input_bytes(capacity), &tracer->input, error);
+    LsResult result = ls_app_buffer_create(device, LS_APP_MEMORY_UPLOAD, input_bytes(capacity),
+                                           &tracer->input, error);
     if (result == LS_OK)
     {
-        result = ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, output_bytes(capacity), &tracer->output, error);
+        result = ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, output_bytes(capacity),
+                                      &tracer->output, error);
     }
     // A CPU device works on the host's memory anyway.
     if (result == LS_OK && !device->is_cpu)
     {
-        result = ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, input_bytes(capacity), &tracer->device_input,
-                                      error);
+        result = ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, input_bytes(capacity),
+                                      &tracer->device_input, error);
         if (result == LS_OK)
         {
             result = ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, output_bytes(capacity),
@@ -50,8 +52,8 @@ void ls_app_tracer_destroy(const LsAppDevice* device, LsAppTracer* tracer)
     *tracer = (LsAppTracer){0};
 }
 
-static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene, const LsAppRun* run,
-                           VkCommandBuffer commands, LsError* error)
+static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
+                           const LsAppRun* run, VkCommandBuffer commands, LsError* error)
 {
     bool staged = !device->is_cpu && run->ray_count > 0;
     VkDeviceSize masks_offset = (VkDeviceSize)tracer->capacity * sizeof(LsRay);
@@ -65,7 +67,8 @@ static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
                 .size = (VkDeviceSize)run->ray_count * sizeof(uint32_t),
             },
         };
-        vkCmdCopyBuffer(commands, tracer->input.buffer, tracer->device_input.buffer, run->use_masks ? 2 : 1, copies);
+        vkCmdCopyBuffer(commands, tracer->input.buffer, tracer->device_input.buffer,
+                        run->use_masks ? 2 : 1, copies);
     }
     ls_app_commands_barrier(commands);
 
@@ -92,8 +95,8 @@ static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
     return result;
 }
 
-LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene, const LsAppRun* run,
-                           double* seconds, LsError* error)
+LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
+                           const LsAppRun* run, double* seconds, LsError* error)
 {
     VkCommandBuffer commands;
     LsResult result = ls_app_commands_begin(device, &commands, error);

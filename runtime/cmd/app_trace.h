@@ -6,7 +6,8 @@
 
 #include "app_device.h"
 
-// Room for one batch. Fill rays (and masks), call ls_app_tracer_run, read hits. Zeroed when destroyed.
+// Room for one batch. Fill rays (and masks), call ls_app_tracer_run, read hits. Zeroed when
+// destroyed.
 typedef struct LsAppTracer
 {
     uint32_t capacity; // rays of a batch
@@ -23,8 +24,10 @@ typedef struct LsAppTracer
 #define LS_APP_TRACER_RAY_BYTES (sizeof(LsRay) + sizeof(uint32_t) + sizeof(LsHit))
 
 // `capacity` >= 1. Errors: DEVICE_MEMORY, DEVICE, MEMORY. On failure *tracer is zero.
-LsResult ls_app_tracer_create(const LsAppDevice* device, uint32_t capacity, LsAppTracer* tracer, LsError* error);
-void ls_app_tracer_destroy(const LsAppDevice* device, LsAppTracer* tracer); // a zero tracer is allowed
+LsResult ls_app_tracer_create(const LsAppDevice* device, uint32_t capacity, LsAppTracer* tracer,
+                              LsError* error);
+void ls_app_tracer_destroy(const LsAppDevice* device,
+                           LsAppTracer* tracer); // a zero tracer is allowed
 
 // One run over the first `ray_count` rays, at most capacity.
 typedef struct LsAppRun
@@ -35,9 +38,9 @@ typedef struct LsAppRun
     bool use_masks;
 } LsAppRun;
 
-// Traces, waits, and says how long the kernel took by the GPU's clock, copies not counted; `seconds` may
-// be NULL. Errors: DEVICE_MEMORY, DEVICE_LOST, DEVICE, MEMORY, ARGUMENT.
-LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene, const LsAppRun* run,
-                           double* seconds, LsError* error);
+// Traces, waits, and says how long the kernel took by the GPU's clock, copies not counted;
+// `seconds` may be NULL. Errors: DEVICE_MEMORY, DEVICE_LOST, DEVICE, MEMORY, ARGUMENT.
+LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
+                           const LsAppRun* run, double* seconds, LsError* error);
 
 #endif

@@ -17,8 +17,10 @@ static const char HELP[] =
     "Usage: lstrace FILE.lspace --rays RAYS.bin -o HITS.bin [OPTION]...\n"
     "Traces a file of rays through a baked scene into a file of hits.\n"
     "\n"
-    "A ray is 8 little-endian floats, 32 bytes: origin, tmin, direction, tmax; in world space, t in units of\n"
-    "the direction. A hit is 32 bytes, one per ray in order: floats t, u, v, then unsigned 32-bit numbers\n"
+    "A ray is 8 little-endian floats, 32 bytes: origin, tmin, direction, tmax; in world space, t "
+    "in units of\n"
+    "the direction. A hit is 32 bytes, one per ray in order: floats t, u, v, then unsigned 32-bit "
+    "numbers\n"
     "instance, object, triangle, material, 0. A miss has t = -1 and all four numbers 4294967295.\n"
     "Either file may be \"-\", standard input or output.\n"
     "\n"
@@ -28,11 +30,13 @@ static const char HELP[] =
     "  --method METHOD   exact: through the Line Space (default); brute: test all triangles\n"
     "  --repeat N        trace each batch N times and print median and spread of the GPU's time\n"
     "  --batch N         rays per batch, 1048576 unless the device's memory allows only fewer\n"
-    "  --device NAME     the device whose name contains NAME, instead of the fastest kind there is\n"
+    "  --device NAME     the device whose name contains NAME, instead of the fastest kind there "
+    "is\n"
     "  --quiet           no progress and no summary\n"
     "  --help, --version\n"
     "\n"
-    "Exit codes: 0 done, 1 wrong usage, 2 bad rays or missing file, 3 output failed, 4 bad .lspace file,\n"
+    "Exit codes: 0 done, 1 wrong usage, 2 bad rays or missing file, 3 output failed, 4 bad .lspace "
+    "file,\n"
     "5 no device or a failing one, 6 out of memory.\n";
 
 enum
@@ -78,7 +82,7 @@ typedef struct Session
     double seconds[MAX_REPEATS]; // GPU time of each repeat over all batches
 } Session;
 
-// ---- Arguments ----------------------------------------------------------------------------------
+// ---- Arguments ---------------------------------------------------------------------------------
 
 static bool parse_count(const char* text, unsigned long limit, uint32_t* count)
 {
@@ -86,7 +90,8 @@ static bool parse_count(const char* text, unsigned long limit, uint32_t* count)
     errno = 0;
     unsigned long value = strtoul(text, &end, 10);
     *count = (uint32_t)value;
-    return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0 && value >= 1 && value <= limit;
+    return text[0] >= '0' && text[0] <= '9' && *end == '\0' && errno == 0 && value >= 1 &&
+           value <= limit;
 }
 
 static LsExit refuse_usage(const char* problem, const char* argument)
@@ -95,7 +100,8 @@ static LsExit refuse_usage(const char* problem, const char* argument)
     return LS_EXIT_USAGE;
 }
 
-// Sets *done when there is nothing left to do: help was asked for, or the exit code is not LS_EXIT_OK.
+// Sets *done when there is nothing left to do: help was asked for, or the exit code is not
+// LS_EXIT_OK.
 static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
 {
     enum
@@ -111,11 +117,16 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         VERSION
     };
     static const struct option names[] = {
-        {"rays", required_argument, NULL, RAYS},     {"output", required_argument, NULL, 'o'},
-        {"any", no_argument, NULL, ANY},             {"method", required_argument, NULL, METHOD},
-        {"repeat", required_argument, NULL, REPEAT}, {"batch", required_argument, NULL, BATCH},
-        {"device", required_argument, NULL, DEVICE}, {"quiet", no_argument, NULL, QUIET},
-        {"help", no_argument, NULL, HELP_WANTED},    {"version", no_argument, NULL, VERSION},
+        {"rays", required_argument, NULL, RAYS},
+        {"output", required_argument, NULL, 'o'},
+        {"any", no_argument, NULL, ANY},
+        {"method", required_argument, NULL, METHOD},
+        {"repeat", required_argument, NULL, REPEAT},
+        {"batch", required_argument, NULL, BATCH},
+        {"device", required_argument, NULL, DEVICE},
+        {"quiet", no_argument, NULL, QUIET},
+        {"help", no_argument, NULL, HELP_WANTED},
+        {"version", no_argument, NULL, VERSION},
         {NULL, 0, NULL, 0},
     };
     *options = (Options){.method = LS_TRACE_EXACT, .batch = DEFAULT_BATCH};
@@ -185,7 +196,7 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
     return LS_EXIT_OK;
 }
 
-// ---- Rays ---------------------------------------------------------------------------------------
+// ---- Rays --------------------------------------------------------------------------------------
 
 static LsResult report_odd_bytes(const RayFile* rays, uint64_t odd, uint64_t whole, LsError* error)
 {
@@ -202,18 +213,21 @@ static LsResult open_rays(RayFile* rays, const char* path, LsError* error)
     rays->descriptor = standard_input ? dup(STDIN_FILENO) : open(path, O_RDONLY | O_CLOEXEC);
     if (rays->descriptor < 0)
     {
-        return errno == ENOENT ? ls_error_set(error, LS_ERROR_FILE_MISSING, "%s: there is no such file of rays", path)
-                               : ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", path,
-                                              strerror(errno));
+        return errno == ENOENT ? ls_error_set(error, LS_ERROR_FILE_MISSING,
+                                              "%s: there is no such file of rays", path)
+                               : ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s",
+                                              path, strerror(errno));
     }
     struct stat status;
     if (fstat(rays->descriptor, &status) != 0)
     {
-        return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name, strerror(errno));
+        return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name,
+                            strerror(errno));
     }
     if (S_ISDIR(status.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY, "%s: is a directory; name a file of rays", rays->name);
+        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY,
+                            "%s: is a directory; name a file of rays", rays->name);
     }
     rays->ray_count = UINT64_MAX;
     if (S_ISREG(status.st_mode) && !standard_input)
@@ -226,15 +240,16 @@ static LsResult open_rays(RayFile* rays, const char* path, LsError* error)
         }
         if (bytes == 0)
         {
-            return ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes", rays->name);
+            return ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes",
+                                rays->name);
         }
     }
     return LS_OK;
 }
 
 // Reads up to `capacity` rays; *count is smaller only at the end.
-static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into, uint32_t capacity, uint32_t* count,
-                          LsError* error)
+static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into, uint32_t capacity,
+                          uint32_t* count, LsError* error)
 {
     size_t wanted = capacity * sizeof(LsRay);
     size_t got = 0;
@@ -243,7 +258,8 @@ static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into
         ssize_t piece = read(rays->descriptor, (char*)into + got, wanted - got);
         if (piece < 0 && errno != EINTR)
         {
-            return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name, strerror(errno));
+            return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name,
+                                strerror(errno));
         }
         if (piece == 0)
         {
@@ -259,7 +275,7 @@ static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into
     return LS_OK;
 }
 
-// ---- Tracing ------------------------------------------------------------------------------------
+// ---- Tracing -----------------------------------------------------------------------------------
 
 static LsResult open_scene_file(Session* session, const char* path, LsError* error)
 {
@@ -279,7 +295,8 @@ static LsResult create_tracer(Session* session, uint32_t batch, LsError* error)
     capacity = session->rays.ray_count < capacity ? session->rays.ray_count : capacity;
     for (;;)
     {
-        LsResult result = ls_app_tracer_create(&session->device, (uint32_t)capacity, &session->tracer, error);
+        LsResult result =
+            ls_app_tracer_create(&session->device, (uint32_t)capacity, &session->tracer, error);
         if (result != LS_ERROR_DEVICE_MEMORY || capacity / 2 < SMALLEST_BATCH)
         {
             return result;
@@ -311,7 +328,8 @@ static LsResult open_session(Session* session, const Options* options, LsError* 
     }
     if (result == LS_OK)
     {
-        result = ls_scene_create(session->context, &session->file, options->scene_path, &session->scene, error);
+        result = ls_scene_create(session->context, &session->file, options->scene_path,
+                                 &session->scene, error);
     }
     return result == LS_OK ? create_tracer(session, options->batch, error) : result;
 }
@@ -333,15 +351,16 @@ static void close_session(Session* session)
     ls_mapping_close(&session->mapping);
 }
 
-static LsResult trace_batch(Session* session, const Options* options, uint32_t count, LsError* error)
+static LsResult trace_batch(Session* session, const Options* options, uint32_t count,
+                            LsError* error)
 {
     LsAppRun run = {.ray_count = count, .flags = options->flags, .method = options->method};
     uint32_t repeats = options->repeats ? options->repeats : 1;
     for (uint32_t i = 0; i < repeats; i++)
     {
         double seconds;
-        LsResult result =
-            ls_app_tracer_run(&session->device, &session->tracer, session->scene, &run, &seconds, error);
+        LsResult result = ls_app_tracer_run(&session->device, &session->tracer, session->scene,
+                                            &run, &seconds, error);
         if (result != LS_OK)
         {
             return result;
@@ -365,7 +384,8 @@ static void show_progress(const Session* session)
     else
     {
         fprintf(stderr, "\rlstrace: %3.0f %% of %" PRIu64 " rays",
-                100.0 * (double)session->traced_count / (double)session->rays.ray_count, session->rays.ray_count);
+                100.0 * (double)session->traced_count / (double)session->rays.ray_count,
+                session->rays.ray_count);
     }
     fflush(stderr);
 }
@@ -377,8 +397,8 @@ static LsResult trace_rays(Session* session, const Options* options, LsError* er
     LsResult result;
     do
     {
-        result = read_rays(&session->rays, session->traced_count, session->tracer.rays, session->tracer.capacity,
-                           &count, error);
+        result = read_rays(&session->rays, session->traced_count, session->tracer.rays,
+                           session->tracer.capacity, &count, error);
         if (result == LS_OK && count > 0)
         {
             result = trace_batch(session, options, count, error);
@@ -394,12 +414,13 @@ static LsResult trace_rays(Session* session, const Options* options, LsError* er
     }
     if (result == LS_OK && session->traced_count == 0)
     {
-        result = ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes", session->rays.name);
+        result = ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes",
+                              session->rays.name);
     }
     return result == LS_OK ? ls_out_file_commit(&session->hits, error) : result;
 }
 
-// ---- Report -------------------------------------------------------------------------------------
+// ---- Report ------------------------------------------------------------------------------------
 
 static int compare_doubles(const void* a, const void* b)
 {
@@ -415,10 +436,11 @@ static void print_summary(Session* session, const Options* options)
     double rays = (double)session->traced_count;
     if (!options->quiet)
     {
-        fprintf(stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n", session->traced_count,
-                session->hit_count, 100.0 * (double)session->hit_count / rays,
-                options->method == LS_TRACE_EXACT ? "exact" : "brute force",
-                options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit", session->device.name);
+        fprintf(
+            stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n",
+            session->traced_count, session->hit_count, 100.0 * (double)session->hit_count / rays,
+            options->method == LS_TRACE_EXACT ? "exact" : "brute force",
+            options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit", session->device.name);
     }
     if (options->repeats && session->device.timestamp_seconds == 0)
     {
@@ -430,8 +452,8 @@ static void print_summary(Session* session, const Options* options)
         double* s = session->seconds;
         qsort(s, n, sizeof(*s), compare_doubles);
         double median = (s[(n - 1) / 2] + s[n / 2]) / 2;
-        fprintf(stream, "GPU time: median %.3f ms, min %.3f ms, max %.3f ms of %u; %.2f Mrays/s\n", median * 1e3,
-                s[0] * 1e3, s[n - 1] * 1e3, n, rays / median * 1e-6);
+        fprintf(stream, "GPU time: median %.3f ms, min %.3f ms, max %.3f ms of %u; %.2f Mrays/s\n",
+                median * 1e3, s[0] * 1e3, s[n - 1] * 1e3, n, rays / median * 1e-6);
     }
 }
 

@@ -14,10 +14,13 @@ static LsResult report_failure(const char* name, int reason, LsError* error)
 {
     if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT_FULL, "%s: no space left for the output (%s); make room or "
-                            "write elsewhere", name, strerror(reason));
+        return ls_error_set(error, LS_ERROR_OUTPUT_FULL,
+                            "%s: no space left for the output (%s); make room or "
+                            "write elsewhere",
+                            name, strerror(reason));
     }
-    return ls_error_set(error, LS_ERROR_OUTPUT, "%s: cannot be written: %s", name, strerror(reason));
+    return ls_error_set(error, LS_ERROR_OUTPUT, "%s: cannot be written: %s", name,
+                        strerror(reason));
 }
 
 static LsResult open_directly(LsOutFile* file, int descriptor, LsError* error)
@@ -68,7 +71,8 @@ LsResult ls_out_file_open(LsOutFile* file, const char* name, LsError* error)
     }
     else if (exists && S_ISDIR(status.st_mode))
     {
-        result = ls_error_set(error, LS_ERROR_OUTPUT, "%s: is a directory; name a file in it", name);
+        result =
+            ls_error_set(error, LS_ERROR_OUTPUT, "%s: is a directory; name a file in it", name);
     }
     else if (exists && !S_ISREG(status.st_mode))
     {

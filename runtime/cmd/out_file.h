@@ -1,7 +1,8 @@
 // out_file.h - an output that grows piece by piece and appears as a whole.
 //
-// A regular file is written under a temporary name beside its place and renamed at the end, so that a
-// failure leaves what was there before. "-" (standard output), devices and pipes are written directly.
+// A regular file is written under a temporary name beside its place and renamed at the end, so that
+// a failure leaves what was there before. "-" (standard output), devices and pipes are written
+// directly.
 
 #ifndef LS_OUT_FILE_H
 #define LS_OUT_FILE_H
@@ -26,8 +27,8 @@ LsResult ls_out_file_open(LsOutFile* file, const char* name, LsError* error);
 // Appends. Errors: OUTPUT, OUTPUT_FULL.
 LsResult ls_out_file_write(LsOutFile* file, const void* bytes, size_t size, LsError* error);
 
-// Brings everything to disk, puts the file in its place and closes it; on failure it is dropped. Errors: OUTPUT,
-// OUTPUT_FULL.
+// Brings everything to disk, puts the file in its place and closes it; on failure it is dropped.
+// Errors: OUTPUT, OUTPUT_FULL.
 LsResult ls_out_file_commit(LsOutFile* file, LsError* error);
 
 // Closes and removes what was written. A zero file is allowed.

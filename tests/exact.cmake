@@ -1,0 +1,6 @@
+# Exactness: the GPU, the reference, double precision and Embree on the same rays.
+add_library(ls_test_embree STATIC reference/ref_embree.c)
+target_link_libraries(ls_test_embree PUBLIC ls_test_reference ${LS_EMBREE} PRIVATE ls_options OpenMP::OpenMP_C m)
+
+ls_add_test(NAME test_exact SOURCES test_exact.c
+    LIBRARIES ls_test_gpu ls_test_scenes ls_test_reference ls_test_embree)
