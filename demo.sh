@@ -14,10 +14,10 @@ PICTURE=out/cornell-bunny.png
 BAKE_REPORT=out/bake.json
 VIEW_REPORT=out/view.json
 
-# The value of a key of a report, as its line says it.
+# The value of a key of a report, without quotes.
 read_report()
 {
-    sed -n "s/^[[:space:]]*\"$2\":[[:space:]]*\"\{0,1\}\([^\",]*\)\"\{0,1\},\{0,1\}$/\1/p" "$1"
+    sed -n "s/^[[:space:]]*\"$2\":[[:space:]]*//p" "$1" | sed 's/,$//; s/^"//; s/"$//'
 }
 
 install_packages "${BUILD_PACKAGES[@]}"

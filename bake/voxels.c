@@ -452,8 +452,14 @@ static LsResult join_subtrees(Build* build, LsError* error)
             out->depth = voxel.level > out->depth ? voxel.level : out->depth;
             out->voxels[out->voxel_count + v] = voxel;
         }
-        memcpy(out->references + out->reference_count, tree->references, sizeof(uint32_t) * tree->reference_count);
-        memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+        if (tree->reference_count > 0)
+        {
+            memcpy(out->references + out->reference_count, tree->references, sizeof(uint32_t) * tree->reference_count);
+        }
+        if (tree->leaf_node_count > 0)
+        {
+            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+        }
         block += tree->block_count;
         out->voxel_count += tree->voxel_count;
         out->reference_count += tree->reference_count;

@@ -5,14 +5,11 @@
 
 #include <stdlib.h>
 
-// The arrays that shaders read: chunk and the field of LsDeviceScene that says where it lies. Nodes
-// and cameras stay in the file.
-#define DEVICE_CHUNK_LIST(X)    \
+// The arrays that tracing reads: chunk and the field of LsTraceScene that says where it lies.
+#define TRACE_CHUNK_LIST(X)     \
     X(OBJECTS, objects)         \
     X(INSTANCES, instances)     \
     X(TOP_NODES, top_nodes)     \
-    X(MATERIALS, materials)     \
-    X(LIGHTS, lights)           \
     X(TRIANGLES, triangles)     \
     X(BLOCKS, blocks)           \
     X(CELL_BLOCKS, cell_blocks) \
@@ -22,6 +19,7 @@
     X(LEAF_NODES, leaf_nodes)   \
     X(SHAFTS, shafts)
 
+// Nodes and cameras stay in the file.
 static bool lies_on_device(LsChunk chunk)
 {
     return chunk != LS_CHUNK_NODES && chunk != LS_CHUNK_CAMERAS;
@@ -57,14 +55,18 @@ static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file
             }
         }
     }
-    LsDeviceScene table = {
+    scene->trace = (LsTraceScene){
 #define CHUNK_ADDRESS(NAME, field) .field = scene->chunks[LS_CHUNK_##NAME].address,
-        DEVICE_CHUNK_LIST(CHUNK_ADDRESS)
+        TRACE_CHUNK_LIST(CHUNK_ADDRESS)
 #undef CHUNK_ADDRESS
             .instance_count = ls_file_count(file, LS_CHUNK_INSTANCES),
-        .top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES),
-        .light_count = ls_file_count(file, LS_CHUNK_LIGHTS),
         .transform_bound = file->header->transform_bound,
+    };
+    LsDeviceScene table = {
+        .trace = scene->trace,
+        .materials = scene->chunks[LS_CHUNK_MATERIALS].address,
+        .lights = scene->chunks[LS_CHUNK_LIGHTS].address,
+        .light_count = ls_file_count(file, LS_CHUNK_LIGHTS),
     };
     return upload_array(scene, upload, &scene->table, &table, sizeof(table), name,
                         "the table of arrays", error);
@@ -163,6 +165,11 @@ void ls_scene_destroy(LsScene* scene)
 VkDeviceAddress ls_scene_address(const LsScene* scene)
 {
     return scene->table.address;
+}
+
+LsTraceScene ls_scene_trace(const LsScene* scene)
+{
+    return scene->trace;
 }
 
 uint64_t ls_scene_features(const LsScene* scene)

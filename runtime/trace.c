@@ -68,7 +68,7 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
     {
         uint64_t rest = desc->ray_count - first;
         LsTraceParams params = {
-            .scene = scene->table.address,
+            .scene = scene->trace,
             .rays = desc->rays + first * sizeof(LsRay),
             .hits = desc->hits + first * sizeof(LsHit),
             .masks = desc->masks ? desc->masks + first * sizeof(uint32_t) : 0,

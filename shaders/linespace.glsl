@@ -3,9 +3,10 @@
 //     #extension GL_EXT_buffer_reference : require
 //     #extension GL_EXT_buffer_reference_uvec2 : require
 //     #extension GL_GOOGLE_include_directive : require
+//     #include "ls_layout.h"
+//     layout(push_constant) uniform Push { LsTraceScene ls_scene; ... };  // from ls_scene_trace() of ls_runtime.h
 //     #include "linespace.glsl"
 //     ...
-//     ls_scene_address = ...;                     // from ls_scene_address() of ls_runtime.h
 //     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
 //
 // Cells are walked by integers alone; a point on the ray only picks among the cells that an empty cube
@@ -43,33 +44,32 @@ bool ls_test_four(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                   uint object_index, uint flags)
 {
     uint last = object.triangle_count - 1u;
-    bool hit = ls_test_triangle(ray, best, object.first_triangle, number, instance, object_index, flags);
-    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 1u, last), instance, object_index, flags) || hit;
-    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 2u, last), instance, object_index, flags) || hit;
-    hit = ls_test_triangle(ray, best, object.first_triangle, min(number + 3u, last), instance, object_index, flags) || hit;
+    bool hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), number, instance, object_index, flags);
+    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 1u, last), instance, object_index, flags) || hit;
+    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 2u, last), instance, object_index, flags) || hit;
+    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 3u, last), instance, object_index, flags) || hit;
     return hit && (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 
-// Tests all triangles of an object, those of long lists LS_BRUTE_ROUND a round: llvmpipe (Mesa 22.3) ends all loops of an invocation, without a word,
-// after 65535 rounds in sum.
+// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, since llvmpipe (Mesa 22.3) ends all loops of
+// an invocation, without a word, after 65535 rounds in sum.
 bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
 {
-    if (object.triangle_count <= LS_LIST_TRIANGLES)
+    uint round = LS_METHOD == LS_METHOD_BRUTE ? LS_BRUTE_ROUND : 1u;
+    for (uint i = 0u; i < object.triangle_count; i += round)
     {
-        for (uint i = 0u; i < object.triangle_count; i++)
+        bool done;
+        if (LS_METHOD == LS_METHOD_BRUTE)
         {
-            if (ls_test_triangle(ray, best, object.first_triangle, i, instance, object_index, flags) &&
-                (flags & LS_RAY_FLAG_ANY_HIT) != 0u)
-            {
-                return true;
-            }
+            done = ls_test_four(ray, best, object, i, instance, object_index, flags) ||
+                   ls_test_four(ray, best, object, min(i + 4u, object.triangle_count - 1u), instance, object_index, flags);
         }
-        return false;
-    }
-    for (uint i = 0u; i < object.triangle_count; i += LS_BRUTE_ROUND)
-    {
-        if (ls_test_four(ray, best, object, i, instance, object_index, flags) ||
-            ls_test_four(ray, best, object, min(i + 4u, object.triangle_count - 1u), instance, object_index, flags))
+        else
+        {
+            done = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), i, instance, object_index, flags) &&
+                   (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+        }
+        if (done)
         {
             return true;
         }
@@ -178,7 +178,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
         if (level == 0)
         {
             uvec3 at = uvec3(cell) >> 2;
-            word = blocks.at[object.first_block + at.x + blocks_x * (at.y + blocks_y * at.z)];
+            word = blocks.at[LS_FIRST(object.first_block) + at.x + blocks_x * (at.y + blocks_y * at.z)];
             if ((word & 15u) != 0u)
             {
                 cube = ivec3(at) << 2;
@@ -194,7 +194,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
         if (in_block)
         {
             uvec3 at = uvec3(cell) & 3u;
-            word = cells.at[(object.first_cell_block + block) * LS_BLOCK_CELLS + at.x + 4u * at.y + 16u * at.z];
+            word = cells.at[(LS_FIRST(object.first_cell_block) + block) * LS_BLOCK_CELLS + at.x + 4u * at.y + 16u * at.z];
             if ((word & 15u) != 0u)
             {
                 side = int((word >> (4u * octant)) & 15u);
@@ -217,7 +217,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
 
         if (filled)
         {
-            LsVoxel voxel = voxels.at[object.first_voxel + (word >> 4)];
+            LsVoxel voxel = voxels.at[LS_FIRST(object.first_voxel) + (word >> 4)];
             uint kind = voxel.shape & 0xFFu;
             if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
             {
@@ -236,11 +236,11 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 continue;
             }
             uint mask = voxel.reference_count >= 32u ? 0xFFFFFFFFu : (1u << voxel.reference_count) - 1u;
-            uint first_reference = object.first_reference + voxel.first_reference;
+            uint first_reference = LS_FIRST(object.first_reference) + voxel.first_reference;
             if (LS_HAS_LEAF_BVHS != 0u && kind == LS_VOXEL_BVH)
             {
                 LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
-                uint first_node = object.first_leaf_node + voxel.table;
+                uint first_node = LS_FIRST(object.first_leaf_node) + voxel.table;
                 uint node_count = nodes.at[first_node].escape;
                 for (uint i = 0u; i < node_count;)
                 {
@@ -248,7 +248,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                     float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
                     bool met = ls_meets_box(origin, inverse, node.lower, node.upper, s_first, s_limit);
                     if (met && node.leaf != 0u &&
-                        ls_test_references(ray, best, object.first_triangle, first_reference + (node.leaf >> 4),
+                        ls_test_references(ray, best, LS_FIRST(object.first_triangle), first_reference + (node.leaf >> 4),
                                            (1u << (node.leaf & 15u)) - 1u, instance, object_index, flags))
                     {
                         return true;
@@ -273,9 +273,9 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 precise vec3 point_out = (origin + direction * s_out) * cells_per_unit - vec3(cell);
                 uint face_in = 2u * axis_in + (rising[axis_in] ? 0u : 1u);
                 uint face_out = 2u * axis_out + (rising[axis_out] ? 1u : 0u);
-                mask &= ls_shaft_mask(voxel, object.first_shaft_word, face_in, point_in, face_out, point_out);
+                mask &= ls_shaft_mask(voxel, LS_FIRST(object.first_shaft_word), face_in, point_in, face_out, point_out);
             }
-            if (ls_test_references(ray, best, object.first_triangle, first_reference, mask, instance, object_index, flags))
+            if (ls_test_references(ray, best, LS_FIRST(object.first_triangle), first_reference, mask, instance, object_index, flags))
             {
                 return true;
             }
@@ -312,7 +312,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 low = (low >> 2) & ~3;
                 high = low + 4;
                 uint subgrid = block - (object.cell_block_count - object.subgrid_count);
-                block = LsWordArray(ls_scene.subgrids).at[object.first_subgrid + subgrid];
+                block = LsWordArray(ls_scene.subgrids).at[LS_FIRST(object.first_subgrid) + subgrid];
             }
         }
         if (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high)))
@@ -401,7 +401,8 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
         float scale = ls_direction_scale(ray.direction);
         vec3 inverse = ls_inverse_direction(ray.direction * ls_exact_inverse(scale));
         float pad = ls_scene.transform_bound * ls_max_component(abs(ray.origin));
-        for (uint i = 0u; i < ls_scene.top_node_count;)
+        uint node_count = nodes.at[0].escape;
+        for (uint i = 0u; i < node_count;)
         {
             LsBvhNode node = nodes.at[i];
             bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin * scale,

@@ -5,6 +5,11 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_GOOGLE_include_directive : require
 
+#include "ls_layout.h"
+
+LsTraceScene ls_scene;
+LsDeviceScene device_scene;
+
 #include "linespace.glsl"
 #include "path_layout.h"
 #include "sampling.glsl"
@@ -71,9 +76,9 @@ vec3 emitted(LsMaterial material, LsSurface surface, vec3 direction)
 // The first light whose cumulative probability passes `random`.
 uint choose_light(float random)
 {
-    LsLightArray lights = LsLightArray(ls_scene.lights);
+    LsLightArray lights = LsLightArray(device_scene.lights);
     uint first = 0u;
-    uint last = ls_scene.light_count - 1u;
+    uint last = device_scene.light_count - 1u;
     while (first < last)
     {
         uint middle = (first + last) / 2u;
@@ -89,7 +94,7 @@ uint choose_light(float random)
 // k d^2 / cos_light, the bounce by cos / pi; the estimate is arranged so that it stays finite as d goes to 0.
 vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
 {
-    LsLightArray lights = LsLightArray(ls_scene.lights);
+    LsLightArray lights = LsLightArray(device_scene.lights);
     uint index = choose_light(random.x);
     LsLight light = lights.at[index];
     float probability = light.cumulative - (index == 0u ? 0.0 : lights.at[index - 1u].cumulative);
@@ -97,7 +102,7 @@ vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
     uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
     uint first_triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle;
     uint material_index = LsTriangleArray(ls_scene.triangles).at[first_triangle + light.triangle].material;
-    LsMaterial material = LsMaterialArray(ls_scene.materials).at[material_index];
+    LsMaterial material = LsMaterialArray(device_scene.materials).at[material_index];
 
     vec3 way = emitter.position - surface.position;
     float distance_squared = dot(way, way);
@@ -165,7 +170,7 @@ bool extend_path(inout LsPath path, uint number, uint sample_index)
         return false;
     }
     LsSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
-    LsMaterial material = LsMaterialArray(ls_scene.materials).at[hit.material];
+    LsMaterial material = LsMaterialArray(device_scene.materials).at[hit.material];
     vec3 normal = dot(surface.normal, path.direction) < 0.0 ? surface.normal : -surface.normal;
 
     if (LS_HAS_LIGHTS != 0u && (material.flags & LS_MATERIAL_EMISSIVE) != 0u)
@@ -256,7 +261,8 @@ void main()
     }
     barrier();
 
-    ls_scene_address = params.scene;
+    device_scene = LsSceneReference(params.scene).scene;
+    ls_scene = device_scene.trace;
     ray_count = 0u;
     uvec2 tile = uvec2(LS_PATH_TILE_WIDTH, gl_WorkGroupSize.x / LS_PATH_TILE_WIDTH);
     uvec2 pixel = gl_WorkGroupID.xy * tile +

@@ -1,7 +1,8 @@
 // scene.glsl - the scene's arrays on the device, and what of them this pipeline uses.
 //
-// The shader that includes it enables GL_EXT_buffer_reference and GL_EXT_buffer_reference_uvec2 and sets
-// ls_scene_address, the address of an LsDeviceScene, before the first trace.
+// The shader that includes it enables GL_EXT_buffer_reference and GL_EXT_buffer_reference_uvec2, and declares
+// `ls_scene`, an LsTraceScene, before the include: as push constants, in a uniform block, or as a variable that it fills from
+// LsSceneReference(address).scene.trace.
 
 #ifndef LS_SCENE_GLSL
 #define LS_SCENE_GLSL
@@ -17,6 +18,9 @@ layout(constant_id = 3) const uint LS_HAS_GRIDS = 1;
 layout(constant_id = 4) const uint LS_HAS_SUBGRIDS = 1;
 layout(constant_id = 5) const uint LS_HAS_LEAF_BVHS = 1;
 layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
+
+// Where an object's part of an array begins. A file without a top level has one object, whose parts begin at 0.
+#define LS_FIRST(index) (LS_HAS_TOP_LEVEL != 0u ? (index) : 0u)
 
 #define LS_ARRAY(name, type, alignment)                                                            \
     layout(buffer_reference, std430, buffer_reference_align = alignment) readonly buffer name      \
@@ -37,9 +41,5 @@ layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer LsS
 {
     LsDeviceScene scene;
 };
-
-uvec2 ls_scene_address;
-
-#define ls_scene LsSceneReference(ls_scene_address).scene
 
 #endif

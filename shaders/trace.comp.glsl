@@ -5,7 +5,7 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "linespace.glsl"
+#include "ls_layout.h"
 
 layout(local_size_x_id = 7) in;
 
@@ -13,6 +13,9 @@ layout(push_constant, std430) uniform Push
 {
     LsTraceParams params;
 };
+
+#define ls_scene params.scene
+#include "linespace.glsl"
 
 layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer RayArray
 {
@@ -36,7 +39,6 @@ void main()
     {
         return;
     }
-    ls_scene_address = params.scene;
     uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
     LsRay ray = RayArray(params.rays).at[index];
     HitArray(params.hits).at[index] = ls_trace_ray(ray, mask, params.flags);

@@ -76,8 +76,8 @@ static void add_quad(Scene* scene, const float p[4][3], uint32_t material)
 }
 
 // A face of a box with axis = face / 2 at the lower (even) or upper (odd) coordinate, its front inside or outside.
-static void add_face(Scene* scene, const float lower[3], const float upper[3], int face, int outside,
-                     uint32_t material)
+static void add_face(Scene* scene, const float lower[3], const float upper[3], int face,
+                     int outside, uint32_t material)
 {
     int axis = face / 2;
     int i = (axis + 1) % 3;
@@ -147,9 +147,11 @@ static LsInstance identity_instance(uint32_t object)
 // Turned by 0.4 about y, stretched by (1, 1.5, 0.7), mirrored in x, moved onto the floor of the room.
 static LsInstance turned_instance(uint32_t object, float scale)
 {
-    LsInstance instance = {.object = object, .node = LS_NONE, .mask = 255, .flags = LS_INSTANCE_MIRRORED};
+    LsInstance instance = {
+        .object = object, .node = LS_NONE, .mask = 255, .flags = LS_INSTANCE_MIRRORED};
     const double stretch[3] = {-1.0, 1.5, 0.7};
-    const double turn[3][3] = {{cos(0.4), 0.0, sin(0.4)}, {0.0, 1.0, 0.0}, {-sin(0.4), 0.0, cos(0.4)}};
+    const double turn[3][3] = {
+        {cos(0.4), 0.0, sin(0.4)}, {0.0, 1.0, 0.0}, {-sin(0.4), 0.0, cos(0.4)}};
     const double move[3] = {0.2 * scale, -1.0 * scale, 0.1 * scale};
     double forward[3][4];
     double inverse[3][4];
@@ -216,10 +218,13 @@ static void add_lights(Scene* scene)
         const LsMaterial* material = &MATERIALS[t->material];
         if (material->flags & LS_MATERIAL_EMISSIVE)
         {
-            double b[3] = {(double)t->v1.x - t->v0.x, (double)t->v1.y - t->v0.y, (double)t->v1.z - t->v0.z};
-            double c[3] = {(double)t->v2.x - t->v0.x, (double)t->v2.y - t->v0.y, (double)t->v2.z - t->v0.z};
-            double area = 0.5 * sqrt(pow(b[1] * c[2] - b[2] * c[1], 2) + pow(b[2] * c[0] - b[0] * c[2], 2) +
-                                     pow(b[0] * c[1] - b[1] * c[0], 2));
+            double b[3] = {(double)t->v1.x - t->v0.x, (double)t->v1.y - t->v0.y,
+                           (double)t->v1.z - t->v0.z};
+            double c[3] = {(double)t->v2.x - t->v0.x, (double)t->v2.y - t->v0.y,
+                           (double)t->v2.z - t->v0.z};
+            double area =
+                0.5 * sqrt(pow(b[1] * c[2] - b[2] * c[1], 2) + pow(b[2] * c[0] - b[0] * c[2], 2) +
+                           pow(b[0] * c[1] - b[1] * c[0], 2));
             LsVec3 e = material->emission;
             areas[scene->light_count] = area * (0.2126 * e.x + 0.7152 * e.y + 0.0722 * e.z);
             power += areas[scene->light_count];

@@ -27,6 +27,7 @@ BUFFER(10, LsRay);
 BUFFER(11, LsHit);
 BUFFER(12, LsDeviceScene);
 BUFFER(13, LsTraceParams);
+BUFFER(14, LsTraceScene);
 
 void main()
 {

@@ -2,7 +2,11 @@
 // against the float reference, double precision and Embree by the contract of SPEC 7.6. docs/exactness.md
 // says how to read its table.
 //
-// test_exact [--rays N] [--mesh NAME]: N rays a mesh and placement, 20,000 by default; one mesh instead of all.
+// test_exact [--rays N] [--brute M] [--mesh NAME]
+//     N rays a mesh and placement, 20,000 by default.
+//     The GPU tests all triangles for as many rays of a setting as M million tests allow (default 20; 0: for
+//     every ray), and for each ray on which the Line Space, the float reference and Embree are not of one mind.
+//     NAME: one mesh instead of all.
 
 #include "baked.h"
 #include "gpu.h"
@@ -70,18 +74,21 @@ typedef enum LsAnswerer
 typedef struct LsTally
 {
     uint64_t rays, hits, ordinary_rays;
-    uint64_t differing;                       // exact and brute are not the same bits
+    uint64_t brute_rays;                      // traced over all triangles on the GPU as well
+    uint64_t differing;                       // of these: exact and brute are not the same bits
+    uint64_t cpu_equal;                       // exact and the float reference are the same bits
     uint64_t exceptions[LS_EXCEPTION_COUNT];  // of these, by cause; NONE are defects
     uint64_t ordinary_exceptions;
     double largest_cosine;                    // of an excepted triangle
     uint64_t flagged, flagged_wrong;          // rays traced again with flags, and answers that do not fit
     uint64_t verdicts[LS_ANSWER_COUNT][LS_VERDICT_COUNT];
-    uint64_t cpu_differs, embree_differs, embree_differs_ordinary; // another triangle than the GPU
+    uint64_t embree_differs, embree_differs_ordinary; // another triangle than the GPU
     uint64_t inside, lost;                    // rays from inside a closed mesh, and those that came out
 } LsTally;
 
 static LsGpu gpu;
 static uint32_t ray_count = 20000;
+static uint64_t brute_million = 20;
 static LsTally total;
 static uint64_t ordinary_mesh_rays, ordinary_mesh_exceptions;
 
@@ -115,6 +122,53 @@ static void print_answer(const LsContest* contest, const LsRay* ray, const char*
     print_message("  %s: t %.9g u %.9g v %.9g of %d %d; in double t %.17g +- %g, edge %g of %g, cosine %g\n", who,
                   hit->t, hit->u, hit->v, (int)hit->instance, (int)hit->primitive, margin.t, margin.t_bound,
                   margin.edge_distance, margin.edge_bound, margin.cosine);
+}
+
+// Rays of a setting that the budget of the GPU's tests allows.
+static uint32_t count_affordable(const LsContest* contest, uint32_t count)
+{
+    const LsFile* file = &contest->baked->file;
+    uint64_t tests = 0; // of one ray
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
+    {
+        tests += file->objects[file->instances[i].object].triangle_count;
+    }
+    uint64_t affordable = brute_million * 1000000 / tests;
+    return brute_million == 0 || affordable > count ? count : (uint32_t)affordable;
+}
+
+// Chooses the rays for brute force, traces them and puts the answers in their places. Elsewhere the float
+// reference has given the same bits, which are taken for the device's own.
+static void trace_brute(LsContest* contest, const LsRaySet* set, LsTally* tally)
+{
+    uint32_t affordable = count_affordable(contest, set->count);
+    uint32_t* chosen = malloc(set->count * sizeof *chosen);
+    LsRay* rays = malloc(set->count * sizeof *rays);
+    LsHit* hits = malloc(set->count * sizeof *hits);
+    assert_true(chosen && rays && hits);
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < set->count; i++)
+    {
+        const LsHit* exact = &contest->answers[LS_ANSWER_EXACT][i];
+        const LsHit* cpu = &contest->answers[LS_ANSWER_CPU][i];
+        bool equal = memcmp(exact, cpu, sizeof *exact) == 0;
+        tally->cpu_equal += equal;
+        contest->answers[LS_ANSWER_BRUTE][i] = *cpu;
+        if (i < affordable || !equal || !is_same_triangle(exact, &contest->answers[LS_ANSWER_EMBREE][i]))
+        {
+            chosen[count] = i;
+            rays[count++] = set->rays[i];
+        }
+    }
+    ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_BRUTE, 0, rays, NULL, count, hits);
+    for (uint32_t i = 0; i < count; i++)
+    {
+        contest->answers[LS_ANSWER_BRUTE][chosen[i]] = hits[i];
+    }
+    tally->brute_rays += count;
+    free(hits);
+    free(rays);
+    free(chosen);
 }
 
 // Exact against brute, bit for bit, each difference explained or a defect.
@@ -154,7 +208,8 @@ static void compare_methods(LsContest* contest, const LsRaySet* set, LsTally* ta
 // agree between the methods. On a part of the rays.
 static void compare_flags(LsContest* contest, const LsRaySet* set, LsTally* tally)
 {
-    uint32_t count = set->count / 4;
+    uint32_t count = count_affordable(contest, set->count) / 4 + 1;
+    count = count < set->count ? count : set->count;
     LsHit* any = malloc(count * sizeof *any);
     LsHit* culled = malloc(2 * count * sizeof *culled);
     assert_true(any && culled);
@@ -213,7 +268,6 @@ static void judge_answers(LsContest* contest, const LsRaySet* set, LsTally* tall
         }
         const LsHit* exact = &contest->answers[LS_ANSWER_EXACT][i];
         bool embree_differs = !is_same_triangle(exact, &contest->answers[LS_ANSWER_EMBREE][i]);
-        tally->cpu_differs += !is_same_triangle(exact, &contest->answers[LS_ANSWER_CPU][i]);
         tally->embree_differs += embree_differs;
         tally->embree_differs_ordinary += embree_differs && set->classes[i] < LS_ORDINARY_CLASS_COUNT;
     }
@@ -345,9 +399,9 @@ static void run_setting(const LsExactCase* exact_case, const LsSetting* setting,
     LsRaySet set = ls_ray_set_make(&baked.file, count, 17 + setting->grid);
     tally->rays += count;
     ls_gpu_trace(&gpu, &contest.scene, LS_TRACE_EXACT, 0, set.rays, NULL, count, contest.answers[LS_ANSWER_EXACT]);
-    ls_gpu_trace(&gpu, &contest.scene, LS_TRACE_BRUTE, 0, set.rays, NULL, count, contest.answers[LS_ANSWER_BRUTE]);
     ls_reference_trace(contest.reference, set.rays, NULL, count, 0, contest.answers[LS_ANSWER_CPU]);
     ls_embree_trace(contest.embree, set.rays, NULL, count, contest.answers[LS_ANSWER_EMBREE]);
+    trace_brute(&contest, &set, tally);
     compare_methods(&contest, &set, tally);
     judge_answers(&contest, &set, tally);
     compare_flags(&contest, &set, tally);
@@ -373,12 +427,13 @@ static void add_tally(LsTally* sum, const LsTally* tally)
     sum->rays += tally->rays;
     sum->hits += tally->hits;
     sum->ordinary_rays += tally->ordinary_rays;
+    sum->brute_rays += tally->brute_rays;
     sum->differing += tally->differing;
+    sum->cpu_equal += tally->cpu_equal;
     sum->ordinary_exceptions += tally->ordinary_exceptions;
     sum->largest_cosine = fmax(sum->largest_cosine, tally->largest_cosine);
     sum->flagged += tally->flagged;
     sum->flagged_wrong += tally->flagged_wrong;
-    sum->cpu_differs += tally->cpu_differs;
     sum->embree_differs += tally->embree_differs;
     sum->embree_differs_ordinary += tally->embree_differs_ordinary;
     sum->inside += tally->inside;
@@ -396,28 +451,42 @@ static void add_tally(LsTally* sum, const LsTally* tally)
 
 static void print_heading(void)
 {
-    print_message("%-10s %8s %8s | %6s %6s %6s %6s %6s | %7s %7s %6s | %7s %6s | %7s %6s | %6s %5s\n", "mesh", "rays",
-                  "hits", "differ", "other", "tmax", "cell", "defect", "edge", "t error", "defect", "cpu", "defect",
-                  "embree", "defect", "inside", "lost");
+    print_message("%-9s %8s %8s %8s %6s | %5s %5s %5s %6s | %6s %7s %6s | %8s %6s | %6s %6s | %6s %4s\n", "mesh", "rays",
+                  "hits", "brute", "differ", "other", "tmax", "cell", "defect", "edge", "t error", "defect", "cpu bits",
+                  "defect", "embree", "loose", "inside", "lost");
 }
 
 static void print_tally(const char* name, const LsTally* t)
 {
-    const uint64_t* gpu_verdicts = t->verdicts[LS_ANSWER_EXACT];
-    print_message("%-10s %8llu %8llu | %6llu %6llu %6llu %6llu %6llu | %7llu %7llu %6llu | %7llu %6llu | %7llu "
-                  "%6llu | %6llu %5llu\n",
-                  name, (unsigned long long)t->rays, (unsigned long long)t->hits, (unsigned long long)t->differing,
-                  (unsigned long long)t->exceptions[LS_EXCEPTION_OTHER_HIT],
-                  (unsigned long long)t->exceptions[LS_EXCEPTION_TMAX],
-                  (unsigned long long)t->exceptions[LS_EXCEPTION_CELL_END],
-                  (unsigned long long)t->exceptions[LS_EXCEPTION_NONE],
-                  (unsigned long long)gpu_verdicts[LS_VERDICT_EDGE],
-                  (unsigned long long)(gpu_verdicts[LS_VERDICT_T_ERROR] + gpu_verdicts[LS_VERDICT_EDGE_ON]),
-                  (unsigned long long)gpu_verdicts[LS_VERDICT_DEFECT], (unsigned long long)t->cpu_differs,
-                  (unsigned long long)t->verdicts[LS_ANSWER_CPU][LS_VERDICT_DEFECT],
-                  (unsigned long long)t->embree_differs,
-                  (unsigned long long)t->verdicts[LS_ANSWER_EMBREE][LS_VERDICT_DEFECT],
-                  (unsigned long long)t->inside, (unsigned long long)t->lost);
+    const uint64_t* own = t->verdicts[LS_ANSWER_EXACT];
+    const unsigned long long columns[] = {
+        t->rays,
+        t->hits,
+        t->brute_rays,
+        t->differing,
+        t->exceptions[LS_EXCEPTION_OTHER_HIT],
+        t->exceptions[LS_EXCEPTION_TMAX],
+        t->exceptions[LS_EXCEPTION_CELL_END],
+        t->exceptions[LS_EXCEPTION_NONE],
+        own[LS_VERDICT_EDGE],
+        own[LS_VERDICT_T_ERROR] + own[LS_VERDICT_EDGE_ON],
+        own[LS_VERDICT_DEFECT] + t->verdicts[LS_ANSWER_BRUTE][LS_VERDICT_DEFECT],
+        t->cpu_equal,
+        t->verdicts[LS_ANSWER_CPU][LS_VERDICT_DEFECT],
+        t->embree_differs,
+        t->verdicts[LS_ANSWER_EMBREE][LS_VERDICT_DEFECT],
+        t->inside,
+        t->lost,
+    };
+    static const int widths[] = {8, 8, 8, 6, 5, 5, 5, 6, 6, 7, 6, 8, 6, 6, 6, 6, 4};
+    static const char* const bars[] = {"", "", "", "", "| ", "", "", "", "| ", "", "", "| ", "", "| ", "", "| ", ""};
+    char line[256];
+    int length = snprintf(line, sizeof line, "%-9s", name);
+    for (uint32_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
+    {
+        length += snprintf(line + length, sizeof line - (size_t)length, " %s%*llu", bars[i], widths[i], columns[i]);
+    }
+    print_message("%s\n", line);
 }
 
 static void check_mesh(void** state)
@@ -490,6 +559,10 @@ int main(int argc, char** argv)
         else if (strcmp(argv[i], "--mesh") == 0)
         {
             only = argv[i + 1];
+        }
+        else if (strcmp(argv[i], "--brute") == 0)
+        {
+            brute_million = strtoull(argv[i + 1], NULL, 10);
         }
     }
     struct CMUnitTest tests[CASE_COUNT + 1];

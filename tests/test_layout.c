@@ -100,17 +100,19 @@ static const Layout layouts[] = {
      {MEMBER(LsHit, t), MEMBER(LsHit, u), MEMBER(LsHit, v), MEMBER(LsHit, instance),
       MEMBER(LsHit, object), MEMBER(LsHit, primitive), MEMBER(LsHit, material),
       MEMBER(LsHit, reserved)}},
+    {"LsTraceScene",
+     sizeof(LsTraceScene),
+     {MEMBER(LsTraceScene, objects), MEMBER(LsTraceScene, instances),
+      MEMBER(LsTraceScene, top_nodes), MEMBER(LsTraceScene, triangles),
+      MEMBER(LsTraceScene, blocks), MEMBER(LsTraceScene, cell_blocks),
+      MEMBER(LsTraceScene, subgrids), MEMBER(LsTraceScene, voxels),
+      MEMBER(LsTraceScene, references), MEMBER(LsTraceScene, leaf_nodes),
+      MEMBER(LsTraceScene, shafts), MEMBER(LsTraceScene, instance_count),
+      MEMBER(LsTraceScene, transform_bound)}},
     {"LsDeviceScene",
      sizeof(LsDeviceScene),
-     {MEMBER(LsDeviceScene, objects), MEMBER(LsDeviceScene, instances),
-      MEMBER(LsDeviceScene, top_nodes), MEMBER(LsDeviceScene, materials),
-      MEMBER(LsDeviceScene, lights), MEMBER(LsDeviceScene, triangles),
-      MEMBER(LsDeviceScene, blocks), MEMBER(LsDeviceScene, cell_blocks),
-      MEMBER(LsDeviceScene, subgrids), MEMBER(LsDeviceScene, voxels),
-      MEMBER(LsDeviceScene, references), MEMBER(LsDeviceScene, leaf_nodes),
-      MEMBER(LsDeviceScene, shafts), MEMBER(LsDeviceScene, instance_count),
-      MEMBER(LsDeviceScene, top_node_count), MEMBER(LsDeviceScene, light_count),
-      MEMBER(LsDeviceScene, transform_bound)}},
+     {MEMBER(LsDeviceScene, trace), MEMBER(LsDeviceScene, materials), MEMBER(LsDeviceScene, lights),
+      MEMBER(LsDeviceScene, light_count), MEMBER(LsDeviceScene, reserved)}},
     {"LsTraceParams",
      sizeof(LsTraceParams),
      {MEMBER(LsTraceParams, scene), MEMBER(LsTraceParams, rays), MEMBER(LsTraceParams, hits),
@@ -173,6 +175,15 @@ static size_t measure_member(const cJSON* member)
         if (strcmp(find_text(member, "type"), plain[i].name) == 0)
         {
             return plain[i].size;
+        }
+    }
+    // A struct of this header, by its key among the reflected types.
+    const cJSON* nested = cJSON_GetObjectItemCaseSensitive(types, find_text(member, "type"));
+    for (size_t i = 0; nested != NULL && i < layout_count; ++i)
+    {
+        if (strcmp(find_text(nested, "name"), layouts[i].name) == 0)
+        {
+            return layouts[i].size;
         }
     }
     fail_msg("type %s is not known here", find_text(member, "type"));

@@ -6,11 +6,11 @@
 #include "sampling_probe_spv.h"
 #include "test_random.h"
 
+#include <cmocka.h>
 #include <math.h>
+#include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <setjmp.h>
-#include <cmocka.h>
 #include <stdlib.h>
 #include <string.h>
 #include <vulkan/vulkan.h>
@@ -77,8 +77,10 @@ static void dispatch(const LsAppDevice* device, VkPipelineLayout layout, VkPipel
     LsAppBuffer out;
     VkDeviceSize in_bytes = PROBE_COUNT * sizeof(LsProbeInput);
     VkDeviceSize out_bytes = PROBE_COUNT * sizeof(LsProbeOutput);
-    assert_int_equal(ls_app_buffer_create(device, LS_APP_MEMORY_UPLOAD, in_bytes, &in, &error), LS_OK);
-    assert_int_equal(ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, out_bytes, &out, &error), LS_OK);
+    assert_int_equal(ls_app_buffer_create(device, LS_APP_MEMORY_UPLOAD, in_bytes, &in, &error),
+                     LS_OK);
+    assert_int_equal(ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, out_bytes, &out, &error),
+                     LS_OK);
     memcpy(in.mapped, inputs, in_bytes);
     LsProbeParams params = {.inputs = in.address, .outputs = out.address, .count = PROBE_COUNT};
     VkCommandBuffer commands;
@@ -103,7 +105,8 @@ static int run_probe(void** state)
     LsGpu gpu;
     ls_gpu_open(&gpu);
     VkDevice device = gpu.device.device;
-    VkPushConstantRange range = {.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT, .size = sizeof(LsProbeParams)};
+    VkPushConstantRange range = {.stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
+                                 .size = sizeof(LsProbeParams)};
     VkPipelineLayoutCreateInfo layout_info = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .pushConstantRangeCount = 1,
@@ -127,7 +130,8 @@ static int run_probe(void** state)
                   .pName = "main"},
         .layout = layout,
     };
-    assert_int_equal(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, NULL, &pipeline), VK_SUCCESS);
+    assert_int_equal(vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, NULL, &pipeline),
+                     VK_SUCCESS);
     dispatch(&gpu.device, layout, pipeline);
     vkDestroyPipeline(device, pipeline, NULL);
     vkDestroyShaderModule(device, module, NULL);
@@ -185,7 +189,8 @@ static void test_cos_sin_equal(void** state)
 static void test_cos_sin_at_quarters(void** state)
 {
     (void)state;
-    static const float TURNS[] = {0.0f, 0.125f, 0.25f, 0.375f, 0.5f, 0.625f, 0.75f, 0.875f, 0x1.fffffep-1f, 1.0f};
+    static const float TURNS[] = {0.0f,   0.125f, 0.25f,  0.375f,         0.5f,
+                                  0.625f, 0.75f,  0.875f, 0x1.fffffep-1f, 1.0f};
     for (size_t i = 0; i < sizeof TURNS / sizeof TURNS[0]; i++)
     {
         float cos_sin[2];
@@ -267,8 +272,8 @@ static void test_surface(void** state)
     for (uint32_t i = 0; i < PROBE_COUNT; i++)
     {
         const double weights[2] = {outputs[i].weights[0], outputs[i].weights[1]};
-        LsRefSurface surface =
-            ls_ref_surface(&inputs[i].triangle, &inputs[i].instance, weights, inputs[i].transform_bound);
+        LsRefSurface surface = ls_ref_surface(&inputs[i].triangle, &inputs[i].instance, weights,
+                                              inputs[i].transform_bound);
         LsVec3 p = outputs[i].position;
         LsVec3 n = outputs[i].normal;
         double off = (p.x - surface.position[0]) * surface.normal[0] +
@@ -279,8 +284,8 @@ static void test_surface(void** state)
         worst_off = fmax(worst_off, fabs(off) / surface.error);
         worst_error = fmax(worst_error, fabs(outputs[i].error / surface.error - 1.0));
     }
-    print_message("surface: off by at most %.3g of the distance kept, which differs by %.3g\n", worst_off,
-                  worst_error);
+    print_message("surface: off by at most %.3g of the distance kept, which differs by %.3g\n",
+                  worst_off, worst_error);
     assert_true(worst_off < 0.5);
     assert_true(worst_error < 1e-5);
 }
@@ -288,9 +293,12 @@ static void test_surface(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_bits_equal),   cmocka_unit_test(test_cos_sin_equal),
-        cmocka_unit_test(test_cos_sin_at_quarters), cmocka_unit_test(test_hemisphere),
-        cmocka_unit_test(test_hemisphere_moments),  cmocka_unit_test(test_triangle_weights),
+        cmocka_unit_test(test_random_bits_equal),
+        cmocka_unit_test(test_cos_sin_equal),
+        cmocka_unit_test(test_cos_sin_at_quarters),
+        cmocka_unit_test(test_hemisphere),
+        cmocka_unit_test(test_hemisphere_moments),
+        cmocka_unit_test(test_triangle_weights),
         cmocka_unit_test(test_surface),
     };
     return cmocka_run_group_tests(tests, run_probe, free_probe);

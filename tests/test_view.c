@@ -2,17 +2,18 @@
 
 #include "box_scene.h"
 #include "gpu.h"
+#include "ls_bake.h"
 #include "reference/ref_path.h"
 #include "render.h"
 
+#include <cmocka.h>
 #include <fcntl.h>
 #include <math.h>
+#include <setjmp.h>
 #include <spawn.h>
+#include <stb_image.h>
 #include <stdarg.h>
 #include <stddef.h>
-#include <setjmp.h>
-#include <cmocka.h>
-#include <stb_image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -72,8 +73,9 @@ static void open_view(View* view, const char* path, uint32_t width, uint32_t hei
 {
     LsError error = {0};
     ls_gpu_scene_open(&gpu, &view->scene, path);
-    expect_ok(ls_render_create(&gpu.device, view->scene.scene, &view->scene.file, &view->render, &error),
-              &error);
+    expect_ok(
+        ls_render_create(&gpu.device, view->scene.scene, &view->scene.file, &view->render, &error),
+        &error);
     view->settings = (LsRenderSettings){
         .camera = ls_render_camera(&view->scene.file, (double)width / height),
         .width = width,
@@ -83,7 +85,8 @@ static void open_view(View* view, const char* path, uint32_t width, uint32_t hei
     set_view(view);
 }
 
-static void open_box(View* view, LsBoxScene scene, float scale, uint32_t width, uint32_t height, uint32_t depth)
+static void open_box(View* view, LsBoxScene scene, float scale, uint32_t width, uint32_t height,
+                     uint32_t depth)
 {
     LsError error = {0};
     char path[500];
@@ -185,7 +188,8 @@ static void compare_with_reference(View* view, uint32_t sample_count, const char
     free(picture);
 }
 
-static void compare_box(LsBoxScene scene, float scale, uint32_t sample_count, uint32_t depth, const char* name)
+static void compare_box(LsBoxScene scene, float scale, uint32_t sample_count, uint32_t depth,
+                        const char* name)
 {
     View view;
     open_box(&view, scene, scale, WIDTH, HEIGHT, depth);
@@ -196,13 +200,29 @@ static void compare_box(LsBoxScene scene, float scale, uint32_t sample_count, ui
 static void test_reference_box(void** state)
 {
     (void)state;
-    compare_box(LS_BOX_CORNELL, 1.0f, 16, 5, "box");
+    compare_box(LS_BOX_CORNELL, 1.0f, 8, 5, "box");
 }
 
 static void test_reference_instances(void** state)
 {
     (void)state;
-    compare_box(LS_BOX_INSTANCES, 1.0f, 16, 5, "instances");
+    compare_box(LS_BOX_INSTANCES, 1.0f, 8, 5, "instances");
+}
+
+// The scene of the demo, baked as the demo bakes it.
+static void test_reference_bunny(void** state)
+{
+    (void)state;
+    static const char* const INPUTS[] = {LS_SOURCE_DIR "/scenes/cornell.gltf",
+                                         LS_SOURCE_DIR "/scenes/bunny.ply"};
+    LsError error = {0};
+    LsBakeDesc desc = {
+        .inputs = INPUTS, .input_count = 2, .output = FOLDER "cornell.lspace", .force = true};
+    expect_ok(ls_bake_run(&desc, NULL, &error), &error);
+    View view;
+    open_view(&view, FOLDER "cornell.lspace", WIDTH, HEIGHT, 5);
+    compare_with_reference(&view, 16, "box with bunny");
+    close_view(&view);
 }
 
 static void test_reference_open(void** state)
@@ -221,8 +241,8 @@ static void test_reference_roulette(void** state)
 static void test_reference_scales(void** state)
 {
     (void)state;
-    compare_box(LS_BOX_CORNELL, 1e-6f, 8, 5, "box at 1e-6");
-    compare_box(LS_BOX_INSTANCES, 1e6f, 8, 5, "instances at 1e6");
+    compare_box(LS_BOX_CORNELL, 1e-6f, 4, 5, "box at 1e-6");
+    compare_box(LS_BOX_INSTANCES, 1e6f, 4, 5, "instances at 1e6");
 }
 
 // Scaled by a power of two nothing rounds differently, so if no absolute length hides anywhere, no bit changes.
@@ -261,15 +281,16 @@ static double average_picture(const float* rgba, uint32_t count, double* deviati
     return mean;
 }
 
-static void check_mean(LsBoxScene scene, float scale, uint32_t sample_count, uint32_t depth, double expected)
+static void check_mean(LsBoxScene scene, float scale, uint32_t sample_count, uint32_t depth,
+                       double expected)
 {
     View view;
     open_box(&view, scene, scale, 64, 64, depth);
     float* picture = render_view(&view, sample_count);
     double deviation;
     double mean = average_picture(picture, 64 * 64, &deviation);
-    print_message("scale %g, %u segments: %.6f +- %.6f, expected %.6f\n", (double)scale, depth, mean,
-                  deviation, expected);
+    print_message("scale %g, %u segments: %.6f +- %.6f, expected %.6f\n", (double)scale, depth,
+                  mean, deviation, expected);
     assert_true(fabs(mean - expected) < 4.0 * deviation + 1e-5 * expected);
     assert_true(deviation < 5e-3 * expected);
     free(picture);
@@ -430,7 +451,8 @@ static int run_lsview(const char* const* arguments)
     posix_spawn_file_actions_addopen(&actions, 1, FOLDER "log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
     posix_spawn_file_actions_adddup2(&actions, 1, 2);
     pid_t child;
-    assert_int_equal(posix_spawn(&child, LS_BINARY_DIR "/bin/lsview", &actions, NULL, argv, environ), 0);
+    assert_int_equal(
+        posix_spawn(&child, LS_BINARY_DIR "/bin/lsview", &actions, NULL, argv, environ), 0);
     posix_spawn_file_actions_destroy(&actions);
     int status;
     assert_int_equal(waitpid(child, &status, 0), child);
@@ -468,8 +490,9 @@ static void test_program_pictures(void** state)
     float* expected = render_view(&view, 6);
     expect_ok(ls_box_scene_write(LS_BOX_CORNELL, 1.0f, FOLDER "scene.lspace", &error), &error);
     remove(FOLDER "out.png");
-    assert_int_equal(RUN("--headless", FOLDER "scene.lspace", "-o", FOLDER "out.png", "--exr", FOLDER "out.exr",
-                         "--size", "90x60", "--samples", "6", "--depth", "4", "--seed", "3", "--report", "json"),
+    assert_int_equal(RUN("--headless", FOLDER "scene.lspace", "-o", FOLDER "out.png", "--exr",
+                         FOLDER "out.exr", "--size", "90x60", "--samples", "6", "--depth", "4",
+                         "--seed", "3", "--report", "json"),
                      LS_EXIT_OK);
     const char* report = read_log();
     assert_non_null(strstr(report, "\"samples_per_pixel\":\t6"));
@@ -479,7 +502,8 @@ static void test_program_pictures(void** state)
     int width;
     int height;
     const char* complaint = NULL;
-    assert_int_equal(LoadEXR(&linear, &width, &height, FOLDER "out.exr", &complaint), TINYEXR_SUCCESS);
+    assert_int_equal(LoadEXR(&linear, &width, &height, FOLDER "out.exr", &complaint),
+                     TINYEXR_SUCCESS);
     assert_int_equal(width, 90);
     assert_int_equal(height, 60);
     assert_memory_equal(linear, expected, 90 * 60 * sizeof(LsVec4));
@@ -550,13 +574,21 @@ static void test_program_errors(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_reference_box),       cmocka_unit_test(test_reference_instances),
-        cmocka_unit_test(test_reference_open),      cmocka_unit_test(test_reference_roulette),
-        cmocka_unit_test(test_reference_scales),    cmocka_unit_test(test_scale_bits),
-        cmocka_unit_test(test_furnace),             cmocka_unit_test(test_rectangle_light),
-        cmocka_unit_test(test_average_constant),    cmocka_unit_test(test_average_noise),
-        cmocka_unit_test(test_average_steps),       cmocka_unit_test(test_reset),
-        cmocka_unit_test(test_program_pictures),    cmocka_unit_test(test_program_errors),
+        cmocka_unit_test(test_reference_box),
+        cmocka_unit_test(test_reference_instances),
+        cmocka_unit_test(test_reference_bunny),
+        cmocka_unit_test(test_reference_open),
+        cmocka_unit_test(test_reference_roulette),
+        cmocka_unit_test(test_reference_scales),
+        cmocka_unit_test(test_scale_bits),
+        cmocka_unit_test(test_furnace),
+        cmocka_unit_test(test_rectangle_light),
+        cmocka_unit_test(test_average_constant),
+        cmocka_unit_test(test_average_noise),
+        cmocka_unit_test(test_average_steps),
+        cmocka_unit_test(test_reset),
+        cmocka_unit_test(test_program_pictures),
+        cmocka_unit_test(test_program_errors),
     };
     return cmocka_run_group_tests(tests, open_gpu, close_gpu);
 }

@@ -9,5 +9,5 @@ ls_add_test(NAME test_sampling SOURCES test_sampling.c reference/ref_sampling.c
 pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)
 ls_add_test(NAME test_view
     SOURCES test_view.c box_scene.c reference/ref_path.c reference/ref_sampling.c
-    LIBRARIES ls_test_gpu ls_render ls_format_write PkgConfig::STB ${LS_TINYEXR} ${LS_EMBREE})
+    LIBRARIES ls_test_gpu ls_render ls_bake ls_format_write PkgConfig::STB ${LS_TINYEXR} ${LS_EMBREE})
 add_dependencies(test_view lsview)

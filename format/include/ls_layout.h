@@ -223,14 +223,13 @@ LS_STRUCT(LsHit)
 };
 LS_SIZE(LsHit, 32);
 
-// Where a scene's arrays lie on the device. An absent array has address 0 and is never read.
-LS_STRUCT(LsDeviceScene)
+// Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small enough to
+// travel as push constants beside a kernel's own.
+LS_STRUCT(LsTraceScene)
 {
     LsAddress objects;
     LsAddress instances;
     LsAddress top_nodes;
-    LsAddress materials;
-    LsAddress lights;
     LsAddress triangles;
     LsAddress blocks;
     LsAddress cell_blocks;
@@ -240,9 +239,18 @@ LS_STRUCT(LsDeviceScene)
     LsAddress leaf_nodes;
     LsAddress shafts;
     uint32_t instance_count;
-    uint32_t top_node_count;
-    uint32_t light_count;
     float transform_bound; // growth of top level boxes per unit of the ray's largest origin coordinate
+};
+LS_SIZE(LsTraceScene, 96);
+
+// A scene with what shading reads as well; lies in device memory.
+LS_STRUCT(LsDeviceScene)
+{
+    LsTraceScene trace;
+    LsAddress materials;
+    LsAddress lights;
+    uint32_t light_count;
+    uint32_t reserved; // 0
 };
 LS_SIZE(LsDeviceScene, 120);
 
@@ -250,17 +258,17 @@ LS_SIZE(LsDeviceScene, 120);
 #define LS_RAY_FLAG_CULL_BACK_FACING 2u // after VK_KHR_ray_tracing: counter-clockwise is the front
 #define LS_RAY_FLAG_CULL_FRONT_FACING 4u
 
-// Push constants of the batch kernel.
+// Push constants of the batch kernel: all of the 128 bytes that every device has.
 LS_STRUCT(LsTraceParams)
 {
-    LsAddress scene; // LsDeviceScene
+    LsTraceScene scene;
     LsAddress rays;  // LsRay[ray_count]
     LsAddress hits;  // LsHit[ray_count]
     LsAddress masks; // uint[ray_count], or 0: all rays see all instances
     uint32_t ray_count;
     uint32_t flags; // LS_RAY_FLAG_*
 };
-LS_SIZE(LsTraceParams, 40);
+LS_SIZE(LsTraceParams, 128);
 
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness

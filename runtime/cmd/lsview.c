@@ -15,7 +15,7 @@
 
 #define DEFAULT_WIDTH 640
 #define DEFAULT_HEIGHT 360
-#define DEFAULT_SAMPLES 64
+#define DEFAULT_SAMPLES 32
 #define DEFAULT_DEPTH 5
 #define MAX_SAMPLES 10000000
 
@@ -28,7 +28,7 @@ static const char HELP[] =
     "  -o, --output F   PNG to write: 8 bits, sRGB, clipped to [0,1]\n"
     "  --exr F          also write linear floats as EXR\n"
     "  --size WxH       pixels (default 640x360)\n"
-    "  --samples N      paths per pixel (default 64)\n"
+    "  --samples N      paths per pixel (default 32)\n"
     "  --depth N        segments of a path: 1 sees lights alone, 2 direct light (default 5)\n"
     "  --seed N         seed of the random numbers (default 0)\n"
     "  --device NAME    part of the name of the Vulkan device to use (default: the best)\n"
@@ -73,7 +73,8 @@ static double now_seconds(void)
 }
 
 // Reads a whole decimal number in [low, high]; false if `text` is anything else.
-static bool read_number(const char* text, const char* stop, uint32_t low, uint32_t high, uint32_t* number)
+static bool read_number(const char* text, const char* stop, uint32_t low, uint32_t high,
+                        uint32_t* number)
 {
     uint64_t value = 0;
     if (text == stop)
@@ -192,18 +193,19 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
             puts("lsview " LS_VERSION_TEXT);
             exit(LS_EXIT_OK);
         case ':':
-            ls_error_set(error, LS_ERROR_ARGUMENT, "%s needs a value; lsview --help shows the options",
-                         argv[optind - 1]);
+            ls_error_set(error, LS_ERROR_ARGUMENT,
+                         "%s needs a value; lsview --help shows the options", argv[optind - 1]);
             return false;
         default:
-            ls_error_set(error, LS_ERROR_ARGUMENT, "unknown option %s; lsview --help shows the options",
-                         argv[optind - 1]);
+            ls_error_set(error, LS_ERROR_ARGUMENT,
+                         "unknown option %s; lsview --help shows the options", argv[optind - 1]);
             return false;
         }
         if (!good)
         {
             ls_error_set(error, LS_ERROR_ARGUMENT,
-                         "'%s' is out of range or malformed; lsview --help shows the options", optarg);
+                         "'%s' is out of range or malformed; lsview --help shows the options",
+                         optarg);
             return false;
         }
     }
@@ -240,8 +242,8 @@ static LsResult check_output(const char* path, LsError* error)
     struct stat status;
     if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT,
-                            "%s is a directory; name a file to write", path);
+        return ls_error_set(error, LS_ERROR_OUTPUT, "%s is a directory; name a file to write",
+                            path);
     }
     char* copy = strdup(path);
     if (!copy)
@@ -253,8 +255,8 @@ static LsResult check_output(const char* path, LsError* error)
     if (access(folder, W_OK | X_OK) != 0)
     {
         result = ls_error_set(error, LS_ERROR_OUTPUT,
-                              "%s: cannot be written; make the folder %s and allow writing to it", path,
-                              folder);
+                              "%s: cannot be written; make the folder %s and allow writing to it",
+                              path, folder);
     }
     free(copy);
     return result;
@@ -287,8 +289,8 @@ static LsResult write_pictures(LsRender* render, const Options* options, LsError
     float* rgba = malloc((size_t)options->width * options->height * sizeof(LsVec4));
     if (!rgba)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "no memory for a picture of %ux%u", options->width,
-                            options->height);
+        return ls_error_set(error, LS_ERROR_MEMORY, "no memory for a picture of %ux%u",
+                            options->width, options->height);
     }
     LsResult result = ls_render_read(render, rgba, error);
     if (result == LS_OK && options->exr)
@@ -388,7 +390,8 @@ static void print_table(const LsAppDevice* device, const Options* options, const
     printf("start-up       %.3f s to the first frame\n", report->startup_seconds);
     printf("rendering      %.3f s\n", report->render_seconds);
     printf("samples        %.3f M/s\n", 1e-6 * samples / report->render_seconds);
-    printf("rays           %.3f M/s\n", 1e-6 * (double)report->stats.ray_count / report->render_seconds);
+    printf("rays           %.3f M/s\n",
+           1e-6 * (double)report->stats.ray_count / report->render_seconds);
 }
 
 static bool print_json(const LsAppDevice* device, const Options* options, const Report* report)
@@ -458,7 +461,8 @@ static LsResult run(const Options* options, double program_begin, LsError* error
     }
     if (result == LS_OK && report.stats.invalid_samples > 0)
     {
-        fprintf(stderr, "lsview: %u samples were not finite and count as black; please report this scene\n",
+        fprintf(stderr,
+                "lsview: %u samples were not finite and count as black; please report this scene\n",
                 report.stats.invalid_samples);
     }
     if (result == LS_OK && options->json && !print_json(&device, options, &report))

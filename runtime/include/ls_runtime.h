@@ -52,7 +52,10 @@ void ls_context_destroy(LsContext* context); // NULL is allowed
 LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* name, LsScene** scene, LsError* error);
 void ls_scene_destroy(LsScene* scene); // the device must be done with it; NULL is allowed
 
-// Device address of the scene's LsDeviceScene, for shaders that include linespace.glsl.
+// What shaders that include linespace.glsl trace by: to push, or to put into a uniform buffer.
+LsTraceScene ls_scene_trace(const LsScene* scene);
+
+// Device address of the scene's LsDeviceScene: the same and what shading reads.
 VkDeviceAddress ls_scene_address(const LsScene* scene);
 
 // Required features of the scene's file (LS_FEATURE_*), which are the specialization of shaders on it.

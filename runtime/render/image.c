@@ -52,9 +52,9 @@ LsResult ls_image_write_png(const float* rgba, uint32_t width, uint32_t height, 
     }
     free(rgb);
 
-    LsResult result =
-        sink.bytes ? ls_bytes_write(sink.bytes, sink.size, path, error)
-                   : ls_error_set(error, LS_ERROR_MEMORY, "%s: no memory to encode the picture", path);
+    LsResult result = sink.bytes ? ls_bytes_write(sink.bytes, sink.size, path, error)
+                                 : ls_error_set(error, LS_ERROR_MEMORY,
+                                                "%s: no memory to encode the picture", path);
     free(sink.bytes);
     return result;
 }

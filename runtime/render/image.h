@@ -6,7 +6,7 @@
 #include "ls_base.h"
 
 // `rgba`: width * height linear pixels, rows from the top. Files appear whole or not at all.
-// Errors: OUTPUT, OUTPUT_FULL, FILE_IS_DIRECTORY, MEMORY.
+// Errors: OUTPUT, OUTPUT_FULL, MEMORY.
 
 // 8 bits, opaque, clipped to [0,1], with the sRGB transfer curve.
 LsResult ls_image_write_png(const float* rgba, uint32_t width, uint32_t height, const char* path,

@@ -70,8 +70,10 @@ LsCamera ls_render_camera(const LsFile* file, double aspect)
     }
     return (LsCamera){
         .world_from_camera = {{1.0f, 0.0f, 0.0f, (float)center[0]},
-                              {0.0f, (float)cosine, (float)sine, (float)(center[1] + distance * sine)},
-                              {0.0f, (float)-sine, (float)cosine, (float)(center[2] + distance * cosine)}},
+                              {0.0f, (float)cosine, (float)sine,
+                               (float)(center[1] + distance * sine)},
+                              {0.0f, (float)-sine, (float)cosine,
+                               (float)(center[2] + distance * cosine)}},
         .tan_half_y = (float)tan_half_y,
     };
 }
@@ -91,7 +93,8 @@ static float sum_light_density(const LsFile* file)
     return power > 0.0 ? (float)(1.0 / power) : 0.0f;
 }
 
-static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_lights, LsError* error)
+static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_lights,
+                                LsError* error)
 {
     VkDevice device = render->device->device;
     VkPushConstantRange range = {
@@ -152,7 +155,8 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
             },
         .layout = render->layout,
     };
-    code = vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &pipeline_info, NULL, &render->pipeline);
+    code = vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &pipeline_info, NULL,
+                                    &render->pipeline);
     vkDestroyShaderModule(device, module, NULL);
     return ls_app_vk_result(code, "vkCreateComputePipelines", error);
 }
@@ -231,7 +235,8 @@ static LsResult resize_image(LsRender* render, uint32_t width, uint32_t height, 
                            : result;
 }
 
-LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset, LsError* error)
+LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset,
+                       LsError* error)
 {
     if (settings->width < 1 || settings->width > LS_RENDER_MAX_SIDE || settings->height < 1 ||
         settings->height > LS_RENDER_MAX_SIDE || settings->depth < 1 ||
@@ -297,7 +302,8 @@ LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)
         ls_app_commands_barrier(commands);
     }
     VkBufferCopy region = {.size = sizeof(LsPathCounters)};
-    vkCmdCopyBuffer(commands, render->counters.buffer, render->counters_readback.buffer, 1, &region);
+    vkCmdCopyBuffer(commands, render->counters.buffer, render->counters_readback.buffer, 1,
+                    &region);
     ls_app_commands_barrier(commands);
     result = ls_app_commands_submit(render->device, commands, error);
     if (result == LS_OK)
@@ -307,8 +313,8 @@ LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)
     return result;
 }
 
-LsResult ls_render_run(LsRender* render, uint32_t sample_count, LsRenderProgress* progress, void* user,
-                       LsError* error)
+LsResult ls_render_run(LsRender* render, uint32_t sample_count, LsRenderProgress* progress,
+                       void* user, LsError* error)
 {
     uint32_t batch = 1;
     while (render->sample_count < sample_count)

@@ -18,11 +18,13 @@ typedef struct LsRender LsRender;
 // What decides a picture. Change of any of it begins the average anew.
 typedef struct LsRenderSettings
 {
-    LsCamera camera; // tan_half_y and the matrix; width follows from the picture, `aspect` is not used
-    uint32_t width;  // pixels, 1..LS_RENDER_MAX_SIDE
+    LsCamera
+        camera; // tan_half_y and the matrix; width follows from the picture, `aspect` is not used
+    uint32_t width; // pixels, 1..LS_RENDER_MAX_SIDE
     uint32_t height;
-    uint32_t depth; // most segments of a path, the camera's included: 1 sees lights alone, 2 direct light
-    uint32_t seed;  // other seeds give other noise
+    uint32_t
+        depth; // most segments of a path, the camera's included: 1 sees lights alone, 2 direct light
+    uint32_t seed; // other seeds give other noise
 } LsRenderSettings;
 
 typedef struct LsRenderStats
@@ -43,7 +45,8 @@ void ls_render_destroy(LsRender* render); // NULL is allowed
 
 // Takes settings over; the picture begins anew if they differ from those before, and then *reset (may be NULL) is true.
 // Errors: ARGUMENT, DEVICE_MEMORY, DEVICE, MEMORY; the render must then be destroyed.
-LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset, LsError* error);
+LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset,
+                       LsError* error);
 
 // Adds `sample_count` samples to every pixel in one submission and waits. Errors: DEVICE_LOST, DEVICE_MEMORY, DEVICE, MEMORY.
 LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error);
@@ -52,8 +55,8 @@ LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)
 typedef void LsRenderProgress(void* user, const LsRender* render);
 
 // Steps until the picture holds `sample_count` samples per pixel, in submissions of about a tenth of a second.
-LsResult ls_render_run(LsRender* render, uint32_t sample_count, LsRenderProgress* progress, void* user,
-                       LsError* error);
+LsResult ls_render_run(LsRender* render, uint32_t sample_count, LsRenderProgress* progress,
+                       void* user, LsError* error);
 
 LsRenderStats ls_render_stats(const LsRender* render);
 

@@ -39,17 +39,18 @@ static double luminance(LsVec3 c)
 
 static const LsTriangle* find_triangle(const LsFile* file, uint32_t instance, uint32_t triangle)
 {
-    return &file->triangles[file->objects[file->instances[instance].object].first_triangle + triangle];
+    return &file->triangles[file->objects[file->instances[instance].object].first_triangle +
+                            triangle];
 }
 
 static RTCScene build_object(RTCDevice device, const LsFile* file, const LsObject* object)
 {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     size_t count = object->triangle_count;
-    float* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                              3 * sizeof(float), 3 * count);
-    uint32_t* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3,
-                                                3 * sizeof(uint32_t), count);
+    float* vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0,
+                                              RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count);
+    uint32_t* indices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0,
+                                                RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), count);
     for (size_t i = 0; i < count; i++)
     {
         const LsTriangle* triangle = &file->triangles[object->first_triangle + i];
@@ -151,11 +152,13 @@ static Hit trace(LsRefPath* path, const double origin[3], const double direction
 static LsRefSurface load_surface(const LsRefPath* path, uint32_t instance, uint32_t triangle,
                                  const double weights[2])
 {
-    return ls_ref_surface(find_triangle(path->file, instance, triangle), &path->file->instances[instance],
-                          weights, path->file->header->transform_bound);
+    return ls_ref_surface(find_triangle(path->file, instance, triangle),
+                          &path->file->instances[instance], weights,
+                          path->file->header->transform_bound);
 }
 
-static bool emits_against(const LsMaterial* material, const LsRefSurface* surface, const double direction[3])
+static bool emits_against(const LsMaterial* material, const LsRefSurface* surface,
+                          const double direction[3])
 {
     return (material->flags & LS_MATERIAL_DOUBLE_SIDED) || dot(surface->normal, direction) < 0.0;
 }
@@ -217,8 +220,9 @@ static void sample_lights(LsRefPath* path, const LsRefSurface* surface, const do
     radiance[2] = material->emission.z * scale;
 }
 
-static void trace_path(LsRefPath* path, const LsCamera* camera, uint32_t width, uint32_t height, uint32_t x,
-                       uint32_t y, uint32_t sample, uint32_t depth, uint32_t seed, double radiance[3])
+static void trace_path(LsRefPath* path, const LsCamera* camera, uint32_t width, uint32_t height,
+                       uint32_t x, uint32_t y, uint32_t sample, uint32_t depth, uint32_t seed,
+                       double radiance[3])
 {
     const LsFile* file = path->file;
     bool lit = path->light_density > 0.0;
@@ -226,7 +230,8 @@ static void trace_path(LsRefPath* path, const LsCamera* camera, uint32_t width, 
     float random[4];
     ls_ref_random(pixel, sample, 0, seed, random);
     const double way[3] = {(2.0 * (x + (double)random[0]) - width) / height * camera->tan_half_y,
-                           (height - 2.0 * (y + (double)random[1])) / height * camera->tan_half_y, -1.0};
+                           (height - 2.0 * (y + (double)random[1])) / height * camera->tan_half_y,
+                           -1.0};
     double origin[3];
     double direction[3];
     for (int i = 0; i < 3; i++)
@@ -253,19 +258,23 @@ static void trace_path(LsRefPath* path, const LsCamera* camera, uint32_t width, 
         LsRefSurface surface = load_surface(path, hit.instance, hit.triangle, hit.weights);
         uint32_t number = find_triangle(file, hit.instance, hit.triangle)->material;
         const LsMaterial* material = &file->materials[number];
-        const double color[3] = {material->base_color.x, material->base_color.y, material->base_color.z};
-        const double emission[3] = {material->emission.x, material->emission.y, material->emission.z};
+        const double color[3] = {material->base_color.x, material->base_color.y,
+                                 material->base_color.z};
+        const double emission[3] = {material->emission.x, material->emission.y,
+                                    material->emission.z};
         double side = dot(surface.normal, direction) < 0.0 ? 1.0 : -1.0;
         const double normal[3] = {side * surface.normal[0], side * surface.normal[1],
                                   side * surface.normal[2]};
 
-        if (lit && (material->flags & LS_MATERIAL_EMISSIVE) && emits_against(material, &surface, direction))
+        if (lit && (material->flags & LS_MATERIAL_EMISSIVE) &&
+            emits_against(material, &surface, direction))
         {
             double weight = 1.0;
             if (segment > 1)
             {
                 double d2 = hit.t * hit.t * dot(direction, direction);
-                double cosine_light = fabs(dot(normal, direction)) / sqrt(dot(direction, direction));
+                double cosine_light =
+                    fabs(dot(normal, direction)) / sqrt(dot(direction, direction));
                 double density_light =
                     path->light_density * luminance(material->emission) * d2 / cosine_light;
                 weight = density_bounce / (density_bounce + density_light);
@@ -319,8 +328,9 @@ static void trace_path(LsRefPath* path, const LsCamera* camera, uint32_t width, 
     }
 }
 
-uint64_t ls_ref_path_render(const LsRefPath* path, const LsCamera* camera, uint32_t width, uint32_t height,
-                            uint32_t sample_count, uint32_t depth, uint32_t seed, float* rgba)
+uint64_t ls_ref_path_render(const LsRefPath* path, const LsCamera* camera, uint32_t width,
+                            uint32_t height, uint32_t sample_count, uint32_t depth, uint32_t seed,
+                            float* rgba)
 {
     LsRefPath state = *path;
     state.ray_count = 0;

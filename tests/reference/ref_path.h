@@ -13,7 +13,8 @@ void ls_ref_path_destroy(LsRefPath* path);
 
 // Renders width * height linear RGBA pixels, rows from the top: the mean of samples 0 to sample_count - 1. Returns
 // the number of rays traced.
-uint64_t ls_ref_path_render(const LsRefPath* path, const LsCamera* camera, uint32_t width, uint32_t height,
-                            uint32_t sample_count, uint32_t depth, uint32_t seed, float* rgba);
+uint64_t ls_ref_path_render(const LsRefPath* path, const LsCamera* camera, uint32_t width,
+                            uint32_t height, uint32_t sample_count, uint32_t depth, uint32_t seed,
+                            float* rgba);
 
 #endif

@@ -2,7 +2,8 @@
 
 #include <math.h>
 
-void ls_ref_random_bits(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed, uint32_t bits[4])
+void ls_ref_random_bits(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed,
+                        uint32_t bits[4])
 {
     uint32_t v[4] = {pixel, sample, dimension, seed};
     for (int i = 0; i < 4; i++)
@@ -26,7 +27,8 @@ void ls_ref_random_bits(uint32_t pixel, uint32_t sample, uint32_t dimension, uin
     }
 }
 
-void ls_ref_random(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed, float random[4])
+void ls_ref_random(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed,
+                   float random[4])
 {
     uint32_t bits[4];
     ls_ref_random_bits(pixel, sample, dimension, seed, bits);
@@ -38,8 +40,9 @@ void ls_ref_random(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t
 
 void ls_ref_cos_sin_turn(float turn, float cos_sin[2])
 {
-    static const float SINE[5] = {1.57079633f, -0.645964098f, 0.0796926262f, -0.00468175414f, 0.000160441185f};
-    static const float COSINE[6] = {1.0f,           -1.23370055f,   0.253669508f,
+    static const float SINE[5] = {1.57079633f, -0.645964098f, 0.0796926262f, -0.00468175414f,
+                                  0.000160441185f};
+    static const float COSINE[6] = {1.0f,           -1.23370055f,    0.253669508f,
                                     -0.0208634808f, 0.000919260274f, -0.0000252020424f};
     float quarters = turn * 4.0f;
     float nearest = floorf(quarters + 0.5f);
@@ -91,8 +94,8 @@ static double largest_of(const double v[3])
     return fmax(fmax(fabs(v[0]), fabs(v[1])), fabs(v[2]));
 }
 
-LsRefSurface ls_ref_surface(const LsTriangle* triangle, const LsInstance* instance, const double weights[2],
-                            double transform_bound)
+LsRefSurface ls_ref_surface(const LsTriangle* triangle, const LsInstance* instance,
+                            const double weights[2], double transform_bound)
 {
     const double v[3][3] = {{triangle->v0.x, triangle->v0.y, triangle->v0.z},
                             {triangle->v1.x, triangle->v1.y, triangle->v1.z},

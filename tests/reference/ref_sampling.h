@@ -8,8 +8,10 @@
 #include <stdbool.h>
 
 // Chapter 1: four words for a place in a render, and the four multiples of 2^-24 in [0,1) made of them.
-void ls_ref_random_bits(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed, uint32_t bits[4]);
-void ls_ref_random(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed, float random[4]);
+void ls_ref_random_bits(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed,
+                        uint32_t bits[4]);
+void ls_ref_random(uint32_t pixel, uint32_t sample, uint32_t dimension, uint32_t seed,
+                   float random[4]);
 
 // Chapter 2: cosine and sine of whole turns by the series in float; `turn` in [0,1].
 void ls_ref_cos_sin_turn(float turn, float cos_sin[2]);
@@ -29,7 +31,7 @@ typedef struct LsRefSurface
 } LsRefSurface;
 
 // Chapter 3, in double.
-LsRefSurface ls_ref_surface(const LsTriangle* triangle, const LsInstance* instance, const double weights[2],
-                            double transform_bound);
+LsRefSurface ls_ref_surface(const LsTriangle* triangle, const LsInstance* instance,
+                            const double weights[2], double transform_bound);
 
 #endif

@@ -1,5 +1,6 @@
 #include "ref_trace.h"
 
+#include <float.h>
 #include <math.h>
 #include <omp.h>
 #include <stdlib.h>
@@ -353,7 +354,7 @@ bool ls_reference_carry(const LsReference* reference, uint32_t instance, const L
         carried->origin[i] = carried->carried[i];
     }
     carried->smin = ldexpf(ray->tmin, carried->exponent);
-    carried->smax = ldexpf(ray->tmax, carried->exponent);
+    carried->smax = ldexpf(fminf(ray->tmax, FLT_MAX), carried->exponent);
 
     for (uint32_t step = 0; step < 2; step++)
     {
@@ -459,16 +460,16 @@ WIDE static int test_lanes(const LsReferenceObject* object, uint32_t first,
         float l = second ? bc : ab;
         int third = ca > l;
         l = third ? ca : l;
-        float px = third ? cx : second ? bx : ax, ex = third ? ca_x : second ? bc_x : ab_x;
-        float py = third ? cy : second ? by : ay, ey = third ? ca_y : second ? bc_y : ab_y;
+        float ex = third ? ca_x : second ? bc_x : ab_x;
+        float ey = third ? ca_y : second ? bc_y : ab_y;
         float ez = third ? az - cz : second ? cz - bz : bz - az;
-        float f = -(px * ex + py * ey);
-        float slack = l * 0x1p-20f;
         float rx = ((u * ax + v * bx) + w * cx) / det;
         float ry = ((u * ay + v * by) + w * cy) / det;
         float k = (rx * ex + ry * ey) / l;
         float s = (((u * az + v * bz) + w * cz) / det - k * ez) / dz + s0;
-        int beside = (f < -slack) | (f > l + slack);
+        int beside_x = ((ax > 0.0f) & (bx > 0.0f) & (cx > 0.0f)) | ((ax < 0.0f) & (bx < 0.0f) & (cx < 0.0f));
+        int beside_y = ((ay > 0.0f) & (by > 0.0f) & (cy > 0.0f)) | ((ay < 0.0f) & (by < 0.0f) & (cy < 0.0f));
+        int beside = beside_x | beside_y;
         int below = (u < 0.0f) | (v < 0.0f) | (w < 0.0f);
         int above = (u > 0.0f) | (v > 0.0f) | (w > 0.0f);
         int faced = ((det > 0.0f) & keep_front) | ((det < 0.0f) & keep_back);
@@ -628,7 +629,7 @@ static void cross(const double a[3], const double b[3], double out[3])
 static LsWideRay widen_ray(const LsObjectRay* ray, const LsRay* world)
 {
     LsWideRay wide = {.smin = ldexp(world->tmin, ray->exponent),
-                      .smax = ldexp(world->tmax, ray->exponent),
+                      .smax = ldexp(fmin(world->tmax, FLT_MAX), ray->exponent),
                       .exponent = ray->exponent};
     uint32_t smallest = 0;
     for (uint32_t axis = 0; axis < 3; axis++)
