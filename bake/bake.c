@@ -1,8 +1,7 @@
 // bake.c - ls_bake_run: one call per stage, straight down.
 
-#include "ls_bake.h"
-
 #include "import/import.h"
+#include "ls_bake.h"
 #include "ls_write.h"
 #include "mesh.h"
 #include "pack.h"
@@ -82,20 +81,24 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
 {
     if (desc->input_count == 0 || desc->output == NULL)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "a bake needs at least one scene file and an output");
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "a bake needs at least one scene file and an output");
     }
     if (desc->grid > LS_MAX_CELLS)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "grid %u is outside 1..%u", desc->grid, LS_MAX_CELLS);
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "grid %u is outside 1..%u", desc->grid,
+                            LS_MAX_CELLS);
     }
     if (desc->patches > LS_MAX_PATCHES)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "patches %u is outside 1..%u", desc->patches, LS_MAX_PATCHES);
+        return ls_error_set(error, LS_ERROR_ARGUMENT, "patches %u is outside 1..%u", desc->patches,
+                            LS_MAX_PATCHES);
     }
     return LS_OK;
 }
 
-// Cells along the longest side until there is a cost model: about four triangles' widths of a surface of even triangles.
+// Cells along the longest side until there is a cost model: about four triangles' widths of a
+// surface of even triangles.
 static uint32_t default_grid(uint32_t triangle_count)
 {
     double side = floor(sqrt((double)triangle_count) / 4.0);
@@ -120,7 +123,8 @@ static LsResult import_all(Bake* bake, LsError* error)
     }
     if (faces == 0 || bake->input.instance_count == 0)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES, "%s: no triangles in the scene; nothing to bake",
+        return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                            "%s: no triangles in the scene; nothing to bake",
                             bake->desc->inputs[0]);
     }
     return LS_OK;
@@ -132,8 +136,8 @@ static void hash_source(Bake* bake)
     const LsInput* input = &bake->input;
     XXH3_state_t state;
     XXH3_128bits_reset(&state);
-    const uint32_t options[] = {LS_FORMAT_MAJOR, LS_FORMAT_MINOR, LS_VERSION_MAJOR, LS_VERSION_MINOR, bake->desc->grid,
-                                bake->patches};
+    const uint32_t options[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR,  LS_VERSION_MAJOR,
+                                LS_VERSION_MINOR, bake->desc->grid, bake->patches};
     XXH3_128bits_update(&state, options, sizeof options);
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
@@ -149,7 +153,8 @@ static void hash_source(Bake* bake)
         const LsInputInstance* instance = &input->instances[i];
         const uint32_t links[] = {instance->mesh, instance->node};
         XXH3_128bits_update(&state, links, sizeof links);
-        XXH3_128bits_update(&state, instance->world_from_object, sizeof instance->world_from_object);
+        XXH3_128bits_update(&state, instance->world_from_object,
+                            sizeof instance->world_from_object);
     }
     XXH3_128bits_update(&state, input->nodes, sizeof(LsSceneNode) * input->node_count);
     XXH3_128bits_update(&state, input->materials, sizeof(LsMaterial) * input->material_count);
@@ -168,8 +173,9 @@ static bool is_up_to_date(Bake* bake)
         return false;
     }
     LsFile file;
-    bool current = ls_file_open(&file, mapping.bytes, mapping.size, bake->desc->output, NULL) == LS_OK &&
-                   memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0;
+    bool current =
+        ls_file_open(&file, mapping.bytes, mapping.size, bake->desc->output, NULL) == LS_OK &&
+        memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0;
     bake->report.file_bytes = mapping.size;
     ls_mapping_close(&mapping);
     return current;
@@ -188,7 +194,8 @@ static LsResult make_meshes(Bake* bake, LsError* error)
     for (uint32_t i = 0; i < count; i++)
     {
         LsInputMesh* source = &bake->input.meshes[i];
-        LsResult result = ls_mesh_create(&bake->meshes[i], source, bake->desc->inputs[source->input_index], error);
+        LsResult result = ls_mesh_create(&bake->meshes[i], source,
+                                         bake->desc->inputs[source->input_index], error);
         if (result != LS_OK)
         {
             return result;
@@ -205,10 +212,11 @@ static LsResult make_meshes(Bake* bake, LsError* error)
         source->materials = NULL;
     }
     bake->report.triangle_count = triangles;
-    return triangles > 0 ? LS_OK
-                         : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
-                                        "%s: all %llu triangles are degenerate; nothing to bake", bake->desc->inputs[0],
-                                        (unsigned long long)bake->report.face_count);
+    return triangles > 0
+               ? LS_OK
+               : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                              "%s: all %llu triangles are degenerate; nothing to bake",
+                              bake->desc->inputs[0], (unsigned long long)bake->report.face_count);
 }
 
 static void count_voxels(Bake* bake, const LsVoxels* voxels)
@@ -237,8 +245,10 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             bake->report.list_object_count++;
             continue;
         }
-        LsGridFrame frame = ls_grid_frame(mesh, bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count));
-        LsResult result = ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads, error);
+        LsGridFrame frame = ls_grid_frame(
+            mesh, bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count));
+        LsResult result =
+            ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads, error);
         if (result != LS_OK)
         {
             return result;
@@ -259,8 +269,8 @@ static LsResult make_tables(Bake* bake, LsError* error)
         {
             continue;
         }
-        LsResult result =
-            ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i], bake->patches, bake->threads, error);
+        LsResult result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i],
+                                           bake->patches, bake->threads, error);
         if (result != LS_OK)
         {
             return result;
@@ -277,7 +287,8 @@ static LsResult pack_all(Bake* bake, LsError* error)
     LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
     if (result == LS_OK)
     {
-        result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects, &bake->world, bake->patches, error);
+        result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,
+                                &bake->world, bake->patches, error);
     }
     if (result == LS_OK)
     {
@@ -291,7 +302,7 @@ static LsResult pack_all(Bake* bake, LsError* error)
         report->camera_count = desc->CAMERAS_count;
         report->max_condition = bake->world.max_condition;
         report->file_bytes = ls_file_desc_bytes(desc);
-#define LS_CHUNK_BYTES(NAME, field, type, code)                                                    \
+#define LS_CHUNK_BYTES(NAME, field, type, code) \
     report->chunk_bytes[LS_CHUNK_##NAME] = sizeof(type) * (uint64_t)desc->NAME##_count;
         LS_CHUNK_LIST(LS_CHUNK_BYTES)
 #undef LS_CHUNK_BYTES

@@ -25,8 +25,10 @@ static LsBox unite(const LsBox* boxes, const uint32_t* order, uint32_t count)
         const LsBox* box = &boxes[order[i]];
         for (int axis = 0; axis < 3; axis++)
         {
-            all.lower[axis] = box->lower[axis] < all.lower[axis] ? box->lower[axis] : all.lower[axis];
-            all.upper[axis] = box->upper[axis] > all.upper[axis] ? box->upper[axis] : all.upper[axis];
+            all.lower[axis] =
+                box->lower[axis] < all.lower[axis] ? box->lower[axis] : all.lower[axis];
+            all.upper[axis] =
+                box->upper[axis] > all.upper[axis] ? box->upper[axis] : all.upper[axis];
         }
     }
     return all;
@@ -62,14 +64,16 @@ static int is_before(const LsBox* boxes, int axis, uint32_t a, uint32_t b)
     return ca < cb || (ca == cb && a < b);
 }
 
-// Partially sorts so that order[middle] is where a full sort would put it (Hoare's selection; a total
-// order, so the result depends on nothing else).
-static void select_middle(const LsBox* boxes, int axis, uint32_t* order, uint32_t count, uint32_t middle)
+// Partially sorts so that order[middle] is where a full sort would put it (Hoare's selection; a
+// total order, so the result depends on nothing else).
+static void select_middle(const LsBox* boxes, int axis, uint32_t* order, uint32_t count,
+                          uint32_t middle)
 {
     uint32_t begin = 0, end = count;
     while (end - begin > 1)
     {
-        uint32_t pivot = order[begin + (end - begin - 1) / 2]; // never the last, so both parts shrink
+        uint32_t pivot =
+            order[begin + (end - begin - 1) / 2]; // never the last, so both parts shrink
         uint32_t i = begin, j = end - 1;
         for (;;)
         {
@@ -116,8 +120,10 @@ static void build_node(Builder* builder, uint32_t first, uint32_t count)
     LsBox box = unite(builder->boxes, order, count);
     uint32_t index = builder->node_count++;
     LsBvhNode* node = &builder->nodes[index];
-    node->lower = (LsVec3){ls_float_below(box.lower[0]), ls_float_below(box.lower[1]), ls_float_below(box.lower[2])};
-    node->upper = (LsVec3){ls_float_above(box.upper[0]), ls_float_above(box.upper[1]), ls_float_above(box.upper[2])};
+    node->lower = (LsVec3){ls_float_below(box.lower[0]), ls_float_below(box.lower[1]),
+                           ls_float_below(box.lower[2])};
+    node->upper = (LsVec3){ls_float_above(box.upper[0]), ls_float_above(box.upper[1]),
+                           ls_float_above(box.upper[2])};
     if (count <= builder->leaf_size)
     {
         node->leaf = first << 4 | count;
@@ -126,14 +132,16 @@ static void build_node(Builder* builder, uint32_t first, uint32_t count)
     {
         node->leaf = 0;
         uint32_t middle = count / 2;
-        select_middle(builder->boxes, longest_centre_axis(builder->boxes, order, count), order, count, middle);
+        select_middle(builder->boxes, longest_centre_axis(builder->boxes, order, count), order,
+                      count, middle);
         build_node(builder, first, middle);
         build_node(builder, first + middle, count - middle);
     }
     builder->nodes[index].escape = builder->node_count;
 }
 
-uint32_t ls_bvh_build(const LsBox* boxes, uint32_t* order, uint32_t count, uint32_t leaf_size, LsBvhNode* nodes)
+uint32_t ls_bvh_build(const LsBox* boxes, uint32_t* order, uint32_t count, uint32_t leaf_size,
+                      LsBvhNode* nodes)
 {
     Builder builder = {.boxes = boxes, .order = order, .leaf_size = leaf_size, .nodes = nodes};
     build_node(&builder, 0, count);

@@ -7,9 +7,10 @@
 
 #define LARGEST 15
 
-// Minimum of up to three rows (the neighbours in y, z and both), at x and at x + 1 in the octant's sense.
-static void neighbour_minimum(const uint8_t* near, const uint8_t* layer, const uint8_t* both, uint32_t count,
-                              uint8_t* minimum)
+// Minimum of up to three rows (the neighbours in y, z and both), at x and at x + 1 in the octant's
+// sense.
+static void neighbour_minimum(const uint8_t* near, const uint8_t* layer, const uint8_t* both,
+                              uint32_t count, uint8_t* minimum)
 {
     for (uint32_t x = 0; x < count; x++)
     {
@@ -18,8 +19,8 @@ static void neighbour_minimum(const uint8_t* near, const uint8_t* layer, const u
     }
 }
 
-// Rows are kept reversed along negative axes, so that every octant runs the same way; row entries at
-// `count` stand for what lies outside.
+// Rows are kept reversed along negative axes, so that every octant runs the same way; row entries
+// at `count` stand for what lies outside.
 static int run_octant(const LsDistanceGrid* grid, uint32_t octant)
 {
     uint32_t nx = grid->size[0], ny = grid->size[1], nz = grid->size[2];
@@ -43,7 +44,8 @@ static int run_octant(const LsDistanceGrid* grid, uint32_t octant)
             uint32_t y = octant & 2 ? ny - 1 - j : j;
             uint8_t* d = current + row * j;
             grid->read_row(grid->user, y, z, filled);
-            neighbour_minimum(d + row, above + row * j, above + row * (j + 1), (uint32_t)row, minimum);
+            neighbour_minimum(d + row, above + row * j, above + row * (j + 1), (uint32_t)row,
+                              minimum);
             d[nx] = LARGEST;
             for (uint32_t i = nx; i-- > 0;)
             {

@@ -1,14 +1,15 @@
 // linespace.c - the separable shaft test.
 //
 // A shaft is the hull of two patches, grown to boxes by e. A triangle is tested against it by three
-// projections along the voxel's axes and by its plane, each depending on few patch coordinates, so that
-// tables are computed once per triangle and combined by bit operations.
+// projections along the voxel's axes and by its plane, each depending on few patch coordinates, so
+// that tables are computed once per triangle and combined by bit operations.
 //
-// One primitive serves all projections. In the plane of axes a and c, let segments run from the side a = 0 (or
-// a = 1, mirrored), where c lies in patch interval y, through the triangle's projection, to a zone of a: the
-// interval of a patch on a face of another axis, or the opposite side. The ends' c then fills one interval,
-// whose limits come from the vertices of the projection (and its chords at the zone's borders, since only what
-// lies before the zone's end can be passed). A shaft whose end patch does not meet that interval is not hit.
+// One primitive serves all projections. In the plane of axes a and c, let segments run from the
+// side a = 0 (or a = 1, mirrored), where c lies in patch interval y, through the triangle's
+// projection, to a zone of a: the interval of a patch on a face of another axis, or the opposite
+// side. The ends' c then fills one interval, whose limits come from the vertices of the projection
+// (and its chords at the zone's borders, since only what lies before the zone's end can be passed).
+// A shaft whose end patch does not meet that interval is not hit.
 
 #include "linespace.h"
 
@@ -35,18 +36,20 @@ typedef struct PatchRange
 // Where segments that begin on a side, in interval y, end in a zone: zone N is the opposite side.
 typedef struct ZoneTable
 {
-    PatchRange range[LS_MAX_PATCHES][LS_MAX_PATCHES + 1]; // [y][zone]: patch intervals of c that are reached
-    uint8_t sides[LS_MAX_PATCHES][LS_MAX_PATCHES + 1];    // [y][zone]: bit 0: c = 0 is reached, bit 1: c = 1
+    PatchRange range[LS_MAX_PATCHES]
+                    [LS_MAX_PATCHES + 1]; // [y][zone]: patch intervals of c that are reached
+    uint8_t sides[LS_MAX_PATCHES]
+                 [LS_MAX_PATCHES + 1]; // [y][zone]: bit 0: c = 0 is reached, bit 1: c = 1
 } ZoneTable;
 
 struct LsShaftScratch
 {
-    ZoneTable zones[3][2][3];                          // [a][side][c], a != c
-    uint8_t above[6][MAX_FACE_PATCHES];                // patch wholly on the positive side of the plane
+    ZoneTable zones[3][2][3];           // [a][side][c], a != c
+    uint8_t above[6][MAX_FACE_PATCHES]; // patch wholly on the positive side of the plane
     uint8_t below[6][MAX_FACE_PATCHES];
-    uint32_t rows[MAX_FACE_PATCHES];                   // combined candidates of one row of shafts
-    uint32_t by_p[LS_MAX_PATCHES][MAX_FACE_PATCHES];   // drop c: depends on p and r
-    uint32_t by_q[LS_MAX_PATCHES][MAX_FACE_PATCHES];   // drop b: on q, r and s
+    uint32_t rows[MAX_FACE_PATCHES];                 // combined candidates of one row of shafts
+    uint32_t by_p[LS_MAX_PATCHES][MAX_FACE_PATCHES]; // drop c: depends on p and r
+    uint32_t by_q[LS_MAX_PATCHES][MAX_FACE_PATCHES]; // drop b: on q, r and s
 };
 
 LsShaftScratch* ls_shaft_scratch_create(void)
@@ -140,11 +143,11 @@ static void find_chord(const Projection* projection, double at, double* low, dou
     }
 }
 
-// Widens [low, high] by the c at which segments from [y_low, y_high] on |a| <= e through (va, vc) end, with a
-// in [zone_low, zone_high], all grown by e. From y through v on to the end the segment is stretched by a factor between
-// `least` and `most`; the end is y + (v - y) * factor.
-static void widen_by_point(double va, double vc, double y_low, double y_high, double zone_low, double zone_high,
-                           double e, double* low, double* high)
+// Widens [low, high] by the c at which segments from [y_low, y_high] on |a| <= e through (va, vc)
+// end, with a in [zone_low, zone_high], all grown by e. From y through v on to the end the segment
+// is stretched by a factor between `least` and `most`; the end is y + (v - y) * factor.
+static void widen_by_point(double va, double vc, double y_low, double y_high, double zone_low,
+                           double zone_high, double e, double* low, double* high)
 {
     double least = va + e > 0.0 ? zone_low / (va + e) : 1.0;
     least = least > 1.0 ? fmin(least, 1e30) : 1.0;
@@ -172,7 +175,8 @@ static PatchRange patch_range(double low, double high, double e, int patches)
     return range;
 }
 
-static void fill_zone_table(ZoneTable* table, const Polygon* polygon, int a, int side, int c, double e, int patches)
+static void fill_zone_table(ZoneTable* table, const Polygon* polygon, int a, int side, int c,
+                            double e, int patches)
 {
     Projection projection;
     project(&projection, polygon, a, side, c);
@@ -198,15 +202,18 @@ static void fill_zone_table(ZoneTable* table, const Polygon* polygon, int a, int
             {
                 if (projection.a[i] <= zone_high + e)
                 {
-                    widen_by_point(projection.a[i], projection.c[i], y * step - e, (y + 1) * step + e, zone_low,
-                                   zone_high, e, &low, &high);
+                    widen_by_point(projection.a[i], projection.c[i], y * step - e,
+                                   (y + 1) * step + e, zone_low, zone_high, e, &low, &high);
                 }
             }
-            // Factors have no limit where a <= e, so that part counts by its own corners, which lie on this chord.
+            // Factors have no limit where a <= e, so that part counts by its own corners, which lie
+            // on this chord.
             if (far_low[0] <= far_high[0])
             {
-                widen_by_point(e, far_low[0], y * step - e, (y + 1) * step + e, zone_low, zone_high, e, &low, &high);
-                widen_by_point(e, far_high[0], y * step - e, (y + 1) * step + e, zone_low, zone_high, e, &low, &high);
+                widen_by_point(e, far_low[0], y * step - e, (y + 1) * step + e, zone_low, zone_high,
+                               e, &low, &high);
+                widen_by_point(e, far_high[0], y * step - e, (y + 1) * step + e, zone_low,
+                               zone_high, e, &low, &high);
             }
             table->range[y][zone] = patch_range(low, high, e, patches);
             table->sides[y][zone] =
@@ -216,8 +223,8 @@ static void fill_zone_table(ZoneTable* table, const Polygon* polygon, int a, int
 }
 
 // Patches that lie wholly on one side of the triangle's plane.
-static void fill_plane_sides(LsShaftScratch* scratch, const double corners[3][3], const double* point, double e,
-                             int patches)
+static void fill_plane_sides(LsShaftScratch* scratch, const double corners[3][3],
+                             const double* point, double e, int patches)
 {
     double u[3], v[3], n[3], longest = 0.0;
     for (int k = 0; k < 3; k++)
@@ -241,7 +248,8 @@ static void fill_plane_sides(LsShaftScratch* scratch, const double corners[3][3]
         {
             for (int j = 0; j < patches; j++)
             {
-                double centre = at_face + n[b] * ((2 * i + 1) * half - point[b]) + n[c] * ((2 * j + 1) * half - point[c]);
+                double centre = at_face + n[b] * ((2 * i + 1) * half - point[b]) +
+                                n[c] * ((2 * j + 1) * half - point[c]);
                 scratch->above[face][i * patches + j] = centre > radius;
                 scratch->below[face][i * patches + j] = centre < -radius;
             }
@@ -254,13 +262,15 @@ static bool contains(PatchRange range, int patch)
     return patch >= range.first && patch <= range.last;
 }
 
-// ORs `bits` into one row of shafts, from patch `from` of a face to all patches of another, where `rows` is set.
-static void mark_row(const LsShaftScratch* scratch, int face_a, int from, int face_b, int count, uint32_t bits,
-                     uint32_t* words)
+// ORs `bits` into one row of shafts, from patch `from` of a face to all patches of another, where
+// `rows` is set.
+static void mark_row(const LsShaftScratch* scratch, int face_a, int from, int face_b, int count,
+                     uint32_t bits, uint32_t* words)
 {
     if (scratch->above[face_a][from] || scratch->below[face_a][from])
     {
-        const uint8_t* same = scratch->above[face_a][from] ? scratch->above[face_b] : scratch->below[face_b];
+        const uint8_t* same =
+            scratch->above[face_a][from] ? scratch->above[face_b] : scratch->below[face_b];
         for (int m = 0; m < count; m++)
         {
             words[m] |= same[m] ? 0u : scratch->rows[m] & bits;
@@ -273,7 +283,8 @@ static void mark_row(const LsShaftScratch* scratch, int face_a, int from, int fa
     }
 }
 
-static void mark_opposite(LsShaftScratch* scratch, int axis, int patches, uint32_t bits, uint32_t* words)
+static void mark_opposite(LsShaftScratch* scratch, int axis, int patches, uint32_t bits,
+                          uint32_t* words)
 {
     int count = patches * patches;
     const ZoneTable* by_i = &scratch->zones[axis][0][(axis + 1) % 3];
@@ -302,8 +313,10 @@ static void mark_opposite(LsShaftScratch* scratch, int axis, int patches, uint32
     }
 }
 
-// A on (axis a, side sa) at (p along b, q along c); B on (axis b, side sb) at (r along a, s along c).
-static void mark_adjacent(LsShaftScratch* scratch, int face_a, int face_b, int patches, uint32_t bits, uint32_t* words)
+// A on (axis a, side sa) at (p along b, q along c); B on (axis b, side sb) at (r along a, s along
+// c).
+static void mark_adjacent(LsShaftScratch* scratch, int face_a, int face_b, int patches,
+                          uint32_t bits, uint32_t* words)
 {
     int a = face_a >> 1, sa = face_a & 1, b = face_b >> 1, sb = face_b & 1, c = 3 - a - b;
     int count = patches * patches;
@@ -352,8 +365,8 @@ static void mark_adjacent(LsShaftScratch* scratch, int face_a, int face_b, int p
     }
 }
 
-void ls_shafts_mark(const double corners[3][3], double bound, uint32_t patches, uint32_t bits, uint32_t* words,
-                    LsShaftScratch* scratch)
+void ls_shafts_mark(const double corners[3][3], double bound, uint32_t patches, uint32_t bits,
+                    uint32_t* words, LsShaftScratch* scratch)
 {
     double largest = 1.0;
     for (int i = 0; i < 9; i++)
@@ -371,8 +384,10 @@ void ls_shafts_mark(const double corners[3][3], double bound, uint32_t patches, 
     {
         for (int side = 0; side < 2; side++)
         {
-            fill_zone_table(&scratch->zones[a][side][(a + 1) % 3], &polygon, a, side, (a + 1) % 3, e, n);
-            fill_zone_table(&scratch->zones[a][side][(a + 2) % 3], &polygon, a, side, (a + 2) % 3, e, n);
+            fill_zone_table(&scratch->zones[a][side][(a + 1) % 3], &polygon, a, side, (a + 1) % 3,
+                            e, n);
+            fill_zone_table(&scratch->zones[a][side][(a + 2) % 3], &polygon, a, side, (a + 2) % 3,
+                            e, n);
         }
     }
     fill_plane_sides(scratch, corners, polygon.p[0], e, n);

@@ -1,8 +1,8 @@
 // linespace.h - which triangles can be met along a shaft: the heart of the bake.
 //
-// A voxel's faces are cut into N x N patches; a shaft is the hull of two patches on different faces (numbering:
-// SPEC chapter 6). After T. Keul, S. Müller et al.'s Line Space and F.-L. Schröder's thesis (2017), section 4, with
-// exact candidates instead of middle rays.
+// A voxel's faces are cut into N x N patches; a shaft is the hull of two patches on different faces
+// (numbering: SPEC chapter 6). After T. Keul, S. Müller et al.'s Line Space and F.-L. Schröder's
+// thesis (2017), section 4, with exact candidates instead of middle rays.
 
 #ifndef LS_LINESPACE_H
 #define LS_LINESPACE_H
@@ -17,9 +17,10 @@ typedef struct LsShaftScratch LsShaftScratch;
 LsShaftScratch* ls_shaft_scratch_create(void); // NULL when out of memory
 void ls_shaft_scratch_destroy(LsShaftScratch* scratch);
 
-// ORs `bits` into the word of every shaft that the triangle may meet: each shaft whose hull, its two patches
-// grown to boxes by `bound` in all three axes, meets the triangle, and a few more. `corners` in voxel space, where the voxel
-// is [0,1]^3; `bound` in voxel widths, below 0.25; patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches).
+// ORs `bits` into the word of every shaft that the triangle may meet: each shaft whose hull, its
+// two patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more.
+// `corners` in voxel space, where the voxel is [0,1]^3; `bound` in voxel widths, below 0.25;
+// patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches).
 void ls_shafts_mark(const double corners[3][3], double bound, uint32_t patches, uint32_t bits,
                     uint32_t* words, LsShaftScratch* scratch);
 

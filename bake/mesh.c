@@ -16,8 +16,8 @@ static LsResult check_vertices(const LsInputMesh* input, const char* name, LsErr
             if (!isfinite(value))
             {
                 return ls_error_set(error, LS_ERROR_INPUT_NOT_FINITE,
-                                    "%s: vertex %u has a coordinate that is %s; repair the mesh", name, v,
-                                    isnan(value) ? "NaN" : "infinite");
+                                    "%s: vertex %u has a coordinate that is %s; repair the mesh",
+                                    name, v, isnan(value) ? "NaN" : "infinite");
             }
         }
     }
@@ -59,16 +59,18 @@ static LsResult check_range(const LsMesh* mesh, const char* name, LsError* error
     }
     if (largest > extent * 1048576.0)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_RANGE,
-                            "%s: coordinates reach %g but the mesh is only %g long, which leaves float no shape; "
-                            "move the mesh to its origin and place it by a node translation",
-                            name, largest, extent);
+        return ls_error_set(
+            error, LS_ERROR_INPUT_RANGE,
+            "%s: coordinates reach %g but the mesh is only %g long, which leaves float no shape; "
+            "move the mesh to its origin and place it by a node translation",
+            name, largest, extent);
     }
     if (extent < 1e-9 || extent > 1e12)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_RANGE,
-                            "%s: the mesh is %g long; extents from 1e-9 to 1e12 are supported, scale it by a node",
-                            name, extent);
+        return ls_error_set(
+            error, LS_ERROR_INPUT_RANGE,
+            "%s: the mesh is %g long; extents from 1e-9 to 1e12 are supported, scale it by a node",
+            name, extent);
     }
     return LS_OK;
 }

@@ -47,7 +47,8 @@ bool ls_overlap_box(const LsOverlap* t, const double centre[3], const double hal
 {
     for (int axis = 0; axis < 3; axis++)
     {
-        if (t->lower[axis] > centre[axis] + half[axis] || t->upper[axis] < centre[axis] - half[axis])
+        if (t->lower[axis] > centre[axis] + half[axis] ||
+            t->upper[axis] < centre[axis] - half[axis])
         {
             return false;
         }

@@ -8,10 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* meshes, const LsBakedObject* baked,
-                              LsError* error)
+static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* meshes,
+                              const LsBakedObject* baked, LsError* error)
 {
-    uint64_t triangles = 0, blocks = 0, cell_blocks = 0, subgrids = 0, voxels = 0, references = 0, leaf_nodes = 0;
+    uint64_t triangles = 0, blocks = 0, cell_blocks = 0, subgrids = 0, voxels = 0, references = 0,
+             leaf_nodes = 0;
     uint64_t shafts = 0;
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
@@ -25,13 +26,15 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
         leaf_nodes += v->leaf_node_count;
         shafts += baked[i].tables.word_count;
     }
-    const uint64_t counts[] = {triangles, blocks, cell_blocks, subgrids, voxels, references, leaf_nodes, shafts};
+    const uint64_t counts[] = {triangles, blocks,     cell_blocks, subgrids,
+                               voxels,    references, leaf_nodes,  shafts};
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
     {
         if (counts[i] > UINT32_MAX)
         {
             return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
-                                "the scene needs more records than the format counts; use a coarser --grid or fewer --patches");
+                                "the scene needs more records than the format counts; use a "
+                                "coarser --grid or fewer --patches");
         }
     }
     pack->desc.TRIANGLES_count = (uint32_t)triangles;
@@ -51,9 +54,11 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
     pack->references = malloc((references + 1) * sizeof *pack->references);
     pack->leaf_nodes = malloc((leaf_nodes + 1) * sizeof *pack->leaf_nodes);
     pack->shafts = malloc((shafts + 1) * sizeof *pack->shafts);
-    bool ok = pack->objects && pack->triangles && pack->blocks && pack->cell_blocks && pack->subgrids && pack->voxels &&
-              pack->references && pack->leaf_nodes && pack->shafts;
-    return ok ? LS_OK : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the arrays of the file");
+    bool ok = pack->objects && pack->triangles && pack->blocks && pack->cell_blocks &&
+              pack->subgrids && pack->voxels && pack->references && pack->leaf_nodes &&
+              pack->shafts;
+    return ok ? LS_OK
+              : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the arrays of the file");
 }
 
 static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t patches)
@@ -106,8 +111,8 @@ static LsObject describe_object(const LsMesh* mesh, const LsBakedObject* baked, 
     return object;
 }
 
-static void append_object(LsPack* pack, LsObject* next, LsObject object, const LsMesh* mesh, const LsBakedObject* baked,
-                          uint32_t patches)
+static void append_object(LsPack* pack, LsObject* next, LsObject object, const LsMesh* mesh,
+                          const LsBakedObject* baked, uint32_t patches)
 {
     const LsVoxels* voxels = &baked->voxels;
     object.first_triangle = next->first_triangle;
@@ -120,8 +125,8 @@ static void append_object(LsPack* pack, LsObject* next, LsObject object, const L
     object.first_shaft_word = next->first_shaft_word;
 
     // An array that is empty may be NULL, which memcpy does not take.
-#define COPY(target, source, count)                                                                \
-    if ((count) > 0)                                                                               \
+#define COPY(target, source, count) \
+    if ((count) > 0)                \
     memcpy((target), (source), sizeof *(target) * (size_t)(count))
     COPY(pack->triangles + object.first_triangle, mesh->triangles, object.triangle_count);
     COPY(pack->blocks + object.first_block, voxels->blocks, object.block_count);
@@ -147,8 +152,8 @@ static void append_object(LsPack* pack, LsObject* next, LsObject object, const L
     pack->objects[pack->desc.OBJECTS_count++] = object;
 }
 
-LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked, const LsWorld* world,
-                        uint32_t patches, LsError* error)
+LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked,
+                        const LsWorld* world, uint32_t patches, LsError* error)
 {
     *pack = (LsPack){0};
     LsResult result = count_records(pack, input, meshes, baked, error);
@@ -160,7 +165,8 @@ LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBa
     LsObject next = {0};
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
-        append_object(pack, &next, describe_object(&meshes[i], &baked[i], patches), &meshes[i], &baked[i], patches);
+        append_object(pack, &next, describe_object(&meshes[i], &baked[i], patches), &meshes[i],
+                      &baked[i], patches);
         ls_mesh_destroy(&meshes[i]);
         ls_voxels_destroy(&baked[i].voxels);
         ls_tables_destroy(&baked[i].tables);

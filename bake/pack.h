@@ -30,10 +30,10 @@ typedef struct LsPack
     uint32_t* shafts;
 } LsPack;
 
-// meshes, baked: input->mesh_count each. Each object's working arrays are freed as soon as they are packed.
-// Errors: MEMORY, INPUT_LIMIT (sums beyond what the format counts).
-LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked, const LsWorld* world,
-                        uint32_t patches, LsError* error);
+// meshes, baked: input->mesh_count each. Each object's working arrays are freed as soon as they are
+// packed. Errors: MEMORY, INPUT_LIMIT (sums beyond what the format counts).
+LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked,
+                        const LsWorld* world, uint32_t patches, LsError* error);
 void ls_pack_destroy(LsPack* pack);
 
 #endif

@@ -1,4 +1,5 @@
-// subdivide.c - divides crowded voxels breadth first, so that blocks and voxels come out in file order.
+// subdivide.c - divides crowded voxels breadth first, so that blocks and voxels come out in file
+// order.
 
 #include "subdivide.h"
 
@@ -66,11 +67,13 @@ static LsOverlap prepare(const Divider* divider, uint32_t triangle, double corne
 }
 
 // Which of the 4^3 children a triangle touches.
-static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxel, const LsOverlap* triangle)
+static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxel,
+                                 const LsOverlap* triangle)
 {
     double size = level_size(voxel->level + 1);
     int low[3], high[3];
-    double half[3] = {0.5 * size + divider->grow, 0.5 * size + divider->grow, 0.5 * size + divider->grow};
+    double half[3] = {0.5 * size + divider->grow, 0.5 * size + divider->grow,
+                      0.5 * size + divider->grow};
     for (int axis = 0; axis < 3; axis++)
     {
         double origin = 4.0 * voxel->cell[axis];
@@ -86,7 +89,8 @@ static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxe
         {
             for (int x = low[0]; x <= high[0]; x++)
             {
-                double centre[3] = {(4.0 * voxel->cell[0] + x + 0.5) * size, (4.0 * voxel->cell[1] + y + 0.5) * size,
+                double centre[3] = {(4.0 * voxel->cell[0] + x + 0.5) * size,
+                                    (4.0 * voxel->cell[1] + y + 0.5) * size,
                                     (4.0 * voxel->cell[2] + z + 0.5) * size};
                 if (ls_overlap_box(triangle, centre, half))
                 {
@@ -99,9 +103,11 @@ static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxe
 }
 
 // Fills touched[] and the children's counts; says whether the division pays.
-static bool division_pays(Divider* divider, const Pending* pending, uint32_t counts[LS_BLOCK_CELLS], bool* memory)
+static bool division_pays(Divider* divider, const Pending* pending, uint32_t counts[LS_BLOCK_CELLS],
+                          bool* memory)
 {
-    *memory = reserve((void**)&divider->touched, &divider->touched_capacity, pending->count, sizeof(uint64_t));
+    *memory = reserve((void**)&divider->touched, &divider->touched_capacity, pending->count,
+                      sizeof(uint64_t));
     if (!*memory || pending->voxel.level >= divider->frame->depth)
     {
         return false;
@@ -154,7 +160,8 @@ static uint32_t distance_word(uint64_t filled, int x, int y, int z)
     return word;
 }
 
-// A BVH over the voxel's triangles, each boxed by its part inside the voxel; boxes grown as SPEC 6 says.
+// A BVH over the voxel's triangles, each boxed by its part inside the voxel; boxes grown as SPEC 6
+// says.
 static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references, uint32_t count)
 {
     LsSubtree* tree = divider->tree;
@@ -173,7 +180,8 @@ static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references,
             LsOverlap triangle = prepare(divider, references[i], corners);
             for (int axis = 0; axis < 3; axis++)
             {
-                double low = voxel->cell[axis] * size - grow, high = (voxel->cell[axis] + 1) * size + grow;
+                double low = voxel->cell[axis] * size - grow,
+                       high = (voxel->cell[axis] + 1) * size + grow;
                 boxes[i].lower[axis] = fmin(fmax(triangle.lower[axis], low), high) - 2.0 * grow;
                 boxes[i].upper[axis] = fmax(fmin(triangle.upper[axis], high), low) + 2.0 * grow;
             }
@@ -181,7 +189,8 @@ static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references,
         }
         voxel->kind = LS_VOXEL_BVH;
         voxel->table = tree->leaf_node_count;
-        tree->leaf_node_count += ls_bvh_build(boxes, order, count, BVH_LEAF_TRIANGLES, tree->leaf_nodes + voxel->table);
+        tree->leaf_node_count +=
+            ls_bvh_build(boxes, order, count, BVH_LEAF_TRIANGLES, tree->leaf_nodes + voxel->table);
         for (uint32_t i = 0; i < count; i++)
         {
             permuted[i] = references[order[i]];
@@ -194,11 +203,12 @@ static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references,
     return ok;
 }
 
-static bool append_references(Divider* divider, LsWorkVoxel* voxel, const uint32_t* references, uint32_t count)
+static bool append_references(Divider* divider, LsWorkVoxel* voxel, const uint32_t* references,
+                              uint32_t count)
 {
     LsSubtree* tree = divider->tree;
-    if (!reserve((void**)&tree->references, &divider->reference_capacity, (uint64_t)tree->reference_count + count,
-                 sizeof(uint32_t)))
+    if (!reserve((void**)&tree->references, &divider->reference_capacity,
+                 (uint64_t)tree->reference_count + count, sizeof(uint32_t)))
     {
         return false;
     }
@@ -211,7 +221,8 @@ static bool append_references(Divider* divider, LsWorkVoxel* voxel, const uint32
 
 static bool push(Divider* divider, Pending pending)
 {
-    if (!reserve((void**)&divider->queue, &divider->queue_capacity, (uint64_t)divider->queue_count + 1, sizeof(Pending)))
+    if (!reserve((void**)&divider->queue, &divider->queue_capacity,
+                 (uint64_t)divider->queue_count + 1, sizeof(Pending)))
     {
         return false;
     }
@@ -225,7 +236,8 @@ static uint32_t kind_by_count(uint32_t count)
 }
 
 // The children's voxels, in cell order; those that are crowded themselves wait in the queue.
-static bool make_children(Divider* divider, const Pending* pending, uint32_t block, const uint32_t counts[LS_BLOCK_CELLS])
+static bool make_children(Divider* divider, const Pending* pending, uint32_t block,
+                          const uint32_t counts[LS_BLOCK_CELLS])
 {
     LsSubtree* tree = divider->tree;
     uint64_t filled = 0;
@@ -258,7 +270,8 @@ static bool make_children(Divider* divider, const Pending* pending, uint32_t blo
                 references[count++] = pending->references[i];
             }
         }
-        if (!reserve((void**)&tree->voxels, &divider->voxel_capacity, (uint64_t)tree->voxel_count + 1, sizeof(LsWorkVoxel)))
+        if (!reserve((void**)&tree->voxels, &divider->voxel_capacity,
+                     (uint64_t)tree->voxel_count + 1, sizeof(LsWorkVoxel)))
         {
             free(references);
             return false;
@@ -266,7 +279,11 @@ static bool make_children(Divider* divider, const Pending* pending, uint32_t blo
         tree->blocks[block].cells[c] = tree->voxel_count << 4;
         uint32_t slot = tree->voxel_count++;
         tree->voxels[slot] = child;
-        Pending next = {.voxel = child, .references = references, .count = count, .parent = block, .slot = slot};
+        Pending next = {.voxel = child,
+                        .references = references,
+                        .count = count,
+                        .parent = block,
+                        .slot = slot};
         if (!push(divider, next))
         {
             free(references);
@@ -296,7 +313,8 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     }
     uint32_t block = tree->block_count;
     uint32_t parents_capacity = divider->block_capacity;
-    if (!reserve((void**)&tree->blocks, &divider->block_capacity, (uint64_t)block + 1, sizeof(LsCellBlock)) ||
+    if (!reserve((void**)&tree->blocks, &divider->block_capacity, (uint64_t)block + 1,
+                 sizeof(LsCellBlock)) ||
         !reserve((void**)&tree->parents, &parents_capacity, (uint64_t)block + 1, sizeof(uint32_t)))
     {
         return false;
@@ -310,8 +328,8 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     return make_children(divider, pending, block, counts);
 }
 
-bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh, const LsGridFrame* frame,
-                       uint32_t* references)
+bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
+                       const LsGridFrame* frame, uint32_t* references)
 {
     *tree = (LsSubtree){0};
     if (voxel->reference_count <= LS_MASK_TRIANGLES)
@@ -319,7 +337,8 @@ bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh, 
         voxel->kind = kind_by_count(voxel->reference_count);
         return true;
     }
-    Divider divider = {.tree = tree, .mesh = mesh, .frame = frame, .grow = frame->bound * (1.0 + 1e-6)};
+    Divider divider = {
+        .tree = tree, .mesh = mesh, .frame = frame, .grow = frame->bound * (1.0 + 1e-6)};
     Pending root = {.voxel = *voxel,
                     .references = references,
                     .count = voxel->reference_count,

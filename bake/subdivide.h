@@ -1,12 +1,14 @@
-// subdivide.h - what becomes of a voxel by its count of triangles: a list, masks, a sub-grid or a BVH.
+// subdivide.h - what becomes of a voxel by its count of triangles: a list, masks, a sub-grid or a
+// BVH.
 
 #ifndef LS_SUBDIVIDE_H
 #define LS_SUBDIVIDE_H
 
 #include "voxels.h"
 
-// What lies below one voxel of the grid. All indices are local: blocks and voxels count from 0, parents of the
-// first block are LS_NONE. Owns its arrays; all empty for a voxel that stays whole without a BVH.
+// What lies below one voxel of the grid. All indices are local: blocks and voxels count from 0,
+// parents of the first block are LS_NONE. Owns its arrays; all empty for a voxel that stays whole
+// without a BVH.
 typedef struct LsSubtree
 {
     LsCellBlock* blocks; // links count voxels of this tree
@@ -20,11 +22,12 @@ typedef struct LsSubtree
     uint32_t leaf_node_count;
 } LsSubtree;
 
-// Decides the voxel's kind. `references` is the voxel's list, sorted; a BVH leaf permutes it. A voxel that is divided loses its
-// own references (reference_count becomes 0). Division ends at the frame's depth, and where the children together
-// would hold more than four times the references, or none of them clearly fewer. False when out of memory.
-bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh, const LsGridFrame* frame,
-                       uint32_t* references);
+// Decides the voxel's kind. `references` is the voxel's list, sorted; a BVH leaf permutes it. A
+// voxel that is divided loses its own references (reference_count becomes 0). Division ends at the
+// frame's depth, and where the children together would hold more than four times the references, or
+// none of them clearly fewer. False when out of memory.
+bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
+                       const LsGridFrame* frame, uint32_t* references);
 void ls_subtree_destroy(LsSubtree* tree);
 
 #endif

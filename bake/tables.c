@@ -17,8 +17,8 @@ static uint64_t table_words(uint32_t patches, uint32_t count)
     return (((uint64_t)LS_SHAFT_COUNT(patches) << ls_mask_width_log2(count)) + 31) / 32;
 }
 
-static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel, const LsTriangle* triangle,
-                             double corners[3][3])
+static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel,
+                             const LsTriangle* triangle, double corners[3][3])
 {
     double scale = (double)(1u << (2 * voxel->level));
     ls_grid_point(&voxels->frame, triangle->v0, corners[0]);
@@ -30,8 +30,10 @@ static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel, c
     }
 }
 
-// Packs masks of 32 bits a shaft into 2^width_log2 bits. Returns the number of masks that are not 0.
-static uint32_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width_log2, uint32_t* words)
+// Packs masks of 32 bits a shaft into 2^width_log2 bits. Returns the number of masks that are not
+// 0.
+static uint32_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width_log2,
+                           uint32_t* words)
 {
     uint32_t per_word_log2 = 5 - width_log2;
     uint32_t filled = 0;
@@ -59,19 +61,21 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
     if (sum > UINT32_MAX)
     {
         return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
-                            "the shaft tables of an object need %llu MiB, more than the format holds; use fewer --patches",
+                            "the shaft tables of an object need %llu MiB, more than the format "
+                            "holds; use fewer --patches",
                             (unsigned long long)(sum >> 18));
     }
     tables->word_count = (uint32_t)sum;
     tables->words = calloc(sum + 1, sizeof(uint32_t));
-    return tables->words != NULL ? LS_OK
-                                 : ls_error_set(error, LS_ERROR_MEMORY,
-                                                "out of memory for %llu MiB of shaft tables; use fewer --patches",
-                                                (unsigned long long)(sum >> 18));
+    return tables->words != NULL
+               ? LS_OK
+               : ls_error_set(error, LS_ERROR_MEMORY,
+                              "out of memory for %llu MiB of shaft tables; use fewer --patches",
+                              (unsigned long long)(sum >> 18));
 }
 
-LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches, uint32_t threads,
-                          LsError* error)
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
+                          uint32_t threads, LsError* error)
 {
     *tables = (LsTables){0};
     LsResult result = place_tables(tables, voxels, patches, error);
@@ -98,9 +102,11 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
                 double corners[3][3];
                 uint32_t reference = voxels->references[voxel->first_reference + k];
                 corners_in_voxel(voxels, voxel, &mesh->triangles[reference], corners);
-                ls_shafts_mark((const double(*)[3])corners, bound, patches, 1u << k, masks, scratch);
+                ls_shafts_mark((const double(*)[3])corners, bound, patches, 1u << k, masks,
+                               scratch);
             }
-            filled += pack_masks(masks, shafts, ls_mask_width_log2(voxel->reference_count), tables->words + voxel->table);
+            filled += pack_masks(masks, shafts, ls_mask_width_log2(voxel->reference_count),
+                                 tables->words + voxel->table);
         }
         free(masks);
         ls_shaft_scratch_destroy(scratch);

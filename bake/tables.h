@@ -17,10 +17,10 @@ typedef struct LsTables
 // log2 of the bits per shaft, 2..5, for a voxel of `count` triangles.
 uint32_t ls_mask_width_log2(uint32_t count);
 
-// Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend on `threads`.
-// Errors: MEMORY, INPUT_LIMIT.
-LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches, uint32_t threads,
-                          LsError* error);
+// Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend
+// on `threads`. Errors: MEMORY, INPUT_LIMIT.
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
+                          uint32_t threads, LsError* error);
 void ls_tables_destroy(LsTables* tables);
 
 #endif

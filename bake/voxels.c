@@ -4,8 +4,8 @@
 
 #include "bvh.h"
 #include "distances.h"
-#include "subdivide.h"
 #include "overlap.h"
+#include "subdivide.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -22,8 +22,8 @@ LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid)
     {
         longest = fmax(longest, (double)mesh->upper[axis] - mesh->lower[axis]);
     }
-    // Margins of 4 e, generously rounded outward; float may push the lower corner out by much more where
-    // the mesh lies far from its origin.
+    // Margins of 4 e, generously rounded outward; float may push the lower corner out by much more
+    // where the mesh lies far from its origin.
     double margin = 4.0 * bound / grid * longest * 1.01;
     double span = 0.0;
     for (int axis = 0; axis < 3; axis++)
@@ -35,7 +35,8 @@ LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid)
     frame.bound = ls_float_above(bound);
     for (int axis = 0; axis < 3; axis++)
     {
-        double top = (mesh->upper[axis] - (double)frame.lower[axis]) * frame.inverse_cell + 3.0 * bound;
+        double top =
+            (mesh->upper[axis] - (double)frame.lower[axis]) * frame.inverse_cell + 3.0 * bound;
         uint32_t cells = (uint32_t)top + 1;
         frame.cells[axis] = cells < grid ? cells : grid;
     }
@@ -133,11 +134,11 @@ typedef struct Build
     LsMesh* mesh;
     uint32_t threads;
     double grow;
-    uint32_t blocks[3];      // blocks per axis
-    uint32_t* block_links;   // cell block of a block, LS_NONE where empty
-    uint32_t grid_blocks;    // cell blocks of the grid itself
-    uint32_t* counts;        // references per cell of the cell blocks, then fill positions
-    uint32_t* first;         // first reference per cell
+    uint32_t blocks[3];    // blocks per axis
+    uint32_t* block_links; // cell block of a block, LS_NONE where empty
+    uint32_t grid_blocks;  // cell blocks of the grid itself
+    uint32_t* counts;      // references per cell of the cell blocks, then fill positions
+    uint32_t* first;       // first reference per cell
     uint64_t grid_references;
     uint32_t* references; // of the grid's voxels, before subdivision
     LsSubtree* subtrees;  // of the grid's voxels, in their order
@@ -225,13 +226,14 @@ static void sort_words(uint32_t* words, uint32_t count)
 
 static LsResult report_memory(LsError* error)
 {
-    return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the voxels; use a coarser --grid");
+    return ls_error_set(error, LS_ERROR_MEMORY,
+                        "out of memory for the voxels; use a coarser --grid");
 }
 
 static LsResult report_limit(LsError* error, const char* what)
 {
-    return ls_error_set(error, LS_ERROR_INPUT_LIMIT, "an object has more %s than the format counts; use a coarser --grid",
-                        what);
+    return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+                        "an object has more %s than the format counts; use a coarser --grid", what);
 }
 
 // Finds the blocks that hold anything and numbers them in order.
@@ -359,7 +361,8 @@ static LsResult divide_voxels(Build* build, LsError* error)
         LsWorkVoxel* voxel = &out->voxels[i];
         uint32_t* references = build->references + voxel->first_reference;
         sort_words(references, voxel->reference_count);
-        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, references);
+        ok = ok &&
+             ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, references);
     }
     return ok ? LS_OK : report_memory(error);
 }
@@ -369,7 +372,8 @@ static LsResult join_subtrees(Build* build, LsError* error)
 {
     LsVoxels* out = build->out;
     uint32_t grid_voxels = out->voxel_count;
-    uint64_t blocks = build->grid_blocks, voxels = grid_voxels, references = 0, leaf_nodes = 0, subgrids = 0;
+    uint64_t blocks = build->grid_blocks, voxels = grid_voxels, references = 0, leaf_nodes = 0,
+             subgrids = 0;
     for (uint32_t i = 0; i < grid_voxels; i++)
     {
         const LsSubtree* tree = &build->subtrees[i];
@@ -379,7 +383,8 @@ static LsResult join_subtrees(Build* build, LsError* error)
         leaf_nodes += tree->leaf_node_count;
     }
     blocks += subgrids;
-    if (blocks >= MAX_LINKS || voxels >= MAX_LINKS || references > UINT32_MAX || leaf_nodes > UINT32_MAX)
+    if (blocks >= MAX_LINKS || voxels >= MAX_LINKS || references > UINT32_MAX ||
+        leaf_nodes > UINT32_MAX)
     {
         return report_limit(error, "voxels");
     }
@@ -392,8 +397,8 @@ static LsResult join_subtrees(Build* build, LsError* error)
     out->leaf_nodes = malloc((leaf_nodes + 1) * sizeof(LsBvhNode));
     LsWorkVoxel* all = realloc(out->voxels, (voxels + 1) * sizeof(LsWorkVoxel));
     out->voxels = all != NULL ? all : out->voxels;
-    if (out->cell_blocks == NULL || out->subgrids == NULL || out->references == NULL || out->leaf_nodes == NULL ||
-        all == NULL)
+    if (out->cell_blocks == NULL || out->subgrids == NULL || out->references == NULL ||
+        out->leaf_nodes == NULL || all == NULL)
     {
         return report_memory(error);
     }
@@ -414,7 +419,8 @@ static LsResult join_subtrees(Build* build, LsError* error)
         if (voxel->kind == LS_VOXEL_BVH)
         {
             voxel->table = leaf_node;
-            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes,
+                   sizeof(LsBvhNode) * tree->leaf_node_count);
             leaf_node += tree->leaf_node_count;
         }
     }
@@ -442,23 +448,28 @@ static LsResult join_subtrees(Build* build, LsError* error)
                 words->cells[c] += link ? out->voxel_count << 4 : 0;
             }
             uint32_t above = tree->parents[b];
-            out->subgrids[block + b - build->grid_blocks] = above == LS_NONE ? parent : block + above;
+            out->subgrids[block + b - build->grid_blocks] =
+                above == LS_NONE ? parent : block + above;
         }
         for (uint32_t v = 0; v < tree->voxel_count; v++)
         {
             LsWorkVoxel voxel = tree->voxels[v];
             voxel.first_reference += out->reference_count;
-            voxel.table += voxel.kind == LS_VOXEL_SUBGRID ? block : (voxel.kind == LS_VOXEL_BVH ? leaf_node : 0);
+            voxel.table += voxel.kind == LS_VOXEL_SUBGRID
+                               ? block
+                               : (voxel.kind == LS_VOXEL_BVH ? leaf_node : 0);
             out->depth = voxel.level > out->depth ? voxel.level : out->depth;
             out->voxels[out->voxel_count + v] = voxel;
         }
         if (tree->reference_count > 0)
         {
-            memcpy(out->references + out->reference_count, tree->references, sizeof(uint32_t) * tree->reference_count);
+            memcpy(out->references + out->reference_count, tree->references,
+                   sizeof(uint32_t) * tree->reference_count);
         }
         if (tree->leaf_node_count > 0)
         {
-            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes, sizeof(LsBvhNode) * tree->leaf_node_count);
+            memcpy(out->leaf_nodes + leaf_node, tree->leaf_nodes,
+                   sizeof(LsBvhNode) * tree->leaf_node_count);
         }
         block += tree->block_count;
         out->voxel_count += tree->voxel_count;
@@ -478,7 +489,8 @@ static void read_block_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
     }
 }
 
-static void store_block_row(void* user, uint32_t y, uint32_t z, uint32_t octant, const uint8_t* distances)
+static void store_block_row(void* user, uint32_t y, uint32_t z, uint32_t octant,
+                            const uint8_t* distances)
 {
     const Build* build = user;
     uint32_t* words = build->out->blocks + block_index(build, 0, y, z);
@@ -498,8 +510,9 @@ static void read_cell_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
     for (uint32_t x = 0; x < nx; x += 4)
     {
         uint32_t link = links[x >> 2];
-        const uint32_t* first =
-            link == LS_NONE ? NULL : build->first + (size_t)link * LS_BLOCK_CELLS + 4 * (y & 3) + 16 * (z & 3);
+        const uint32_t* first = link == LS_NONE ? NULL
+                                                : build->first + (size_t)link * LS_BLOCK_CELLS +
+                                                      4 * (y & 3) + 16 * (z & 3);
         for (uint32_t i = 0; i < 4 && x + i < nx; i++)
         {
             filled[x + i] = first != NULL && first[i + 1] > first[i];
@@ -507,7 +520,8 @@ static void read_cell_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
     }
 }
 
-static void store_cell_row(void* user, uint32_t y, uint32_t z, uint32_t octant, const uint8_t* distances)
+static void store_cell_row(void* user, uint32_t y, uint32_t z, uint32_t octant,
+                           const uint8_t* distances)
 {
     const Build* build = user;
     const uint32_t* links = build->block_links + block_index(build, 0, y >> 2, z >> 2);
@@ -546,7 +560,8 @@ static LsResult fill_distances(Build* build, LsError* error)
                                 .read_row = read_cell_row,
                                 .store_row = store_cell_row,
                                 .user = build};
-    if (!ls_octant_distances(&block_grid, build->threads) || !ls_octant_distances(&cell_grid, build->threads))
+    if (!ls_octant_distances(&block_grid, build->threads) ||
+        !ls_octant_distances(&cell_grid, build->threads))
     {
         return report_memory(error);
     }
@@ -562,7 +577,8 @@ static LsResult fill_distances(Build* build, LsError* error)
         uint32_t z = i / build->blocks[0] / build->blocks[1];
         for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
         {
-            if (4 * x + (c & 3) >= cells[0] || 4 * y + (c >> 2 & 3) >= cells[1] || 4 * z + (c >> 4) >= cells[2])
+            if (4 * x + (c & 3) >= cells[0] || 4 * y + (c >> 2 & 3) >= cells[1] ||
+                4 * z + (c >> 4) >= cells[2])
             {
                 out->cell_blocks[link].cells[c] = 0x11111111u;
             }
@@ -571,7 +587,8 @@ static LsResult fill_distances(Build* build, LsError* error)
     return LS_OK;
 }
 
-// Renumbers triangles in the order in which voxels first name them, so that what is tested together lies together.
+// Renumbers triangles in the order in which voxels first name them, so that what is tested together
+// lies together.
 static LsResult order_triangles(Build* build, LsError* error)
 {
     LsVoxels* out = build->out;
@@ -622,11 +639,13 @@ static LsResult run(Build* build, LsError* error)
     return result == LS_OK ? order_triangles(build, error) : result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame, uint32_t threads, LsError* error)
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
+                          uint32_t threads, LsError* error)
 {
     *voxels = (LsVoxels){.frame = *frame};
     // The slack keeps the rounding of double on the safe side of e.
-    Build build = {.out = voxels, .mesh = mesh, .threads = threads, .grow = frame->bound * (1.0 + 1e-6)};
+    Build build = {
+        .out = voxels, .mesh = mesh, .threads = threads, .grow = frame->bound * (1.0 + 1e-6)};
     LsResult result = run(&build, error);
     for (uint32_t i = 0; i < build.subtree_count; i++)
     {

@@ -1,5 +1,6 @@
-// voxels.h - conservative voxelization of an object: a sparse grid of cells in blocks, crowded voxels
-// divided again, empty cells with octant distances. design: thesis 6.1 (conservative, two passes: count, fill).
+// voxels.h - conservative voxelization of an object: a sparse grid of cells in blocks, crowded
+// voxels divided again, empty cells with octant distances. design: thesis 6.1 (conservative, two
+// passes: count, fill).
 
 #ifndef LS_VOXELS_H
 #define LS_VOXELS_H
@@ -46,15 +47,18 @@ typedef struct LsVoxels
     uint32_t depth; // deepest level in use
 } LsVoxels;
 
-// The frame of a mesh at `grid` cells along its longest side, with a margin of at least 2 e to every border.
+// The frame of a mesh at `grid` cells along its longest side, with a margin of at least 2 e to
+// every border.
 LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid);
 
 // A point of object space in grid space, in double.
 void ls_grid_point(const LsGridFrame* frame, LsVec3 point, double out[3]);
 
-// Voxelizes and puts the mesh's triangles into the order in which voxels first name them. The result does not depend
-// on `threads`. Errors: MEMORY, INPUT_LIMIT (more voxels or references than the format counts).
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame, uint32_t threads, LsError* error);
+// Voxelizes and puts the mesh's triangles into the order in which voxels first name them. The
+// result does not depend on `threads`. Errors: MEMORY, INPUT_LIMIT (more voxels or references than
+// the format counts).
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
+                          uint32_t threads, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
 
 #endif

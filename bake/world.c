@@ -20,7 +20,8 @@ static double norm(const Matrix* matrix)
     double largest = 0.0;
     for (int i = 0; i < 3; i++)
     {
-        largest = fmax(largest, fabs(matrix->m[i][0]) + fabs(matrix->m[i][1]) + fabs(matrix->m[i][2]));
+        largest =
+            fmax(largest, fabs(matrix->m[i][0]) + fabs(matrix->m[i][1]) + fabs(matrix->m[i][2]));
     }
     return largest;
 }
@@ -47,7 +48,8 @@ static Matrix invert(const Matrix* a)
     }
     for (int i = 0; i < 3; i++)
     {
-        out.m[i][3] = -(out.m[i][0] * a->m[0][3] + out.m[i][1] * a->m[1][3] + out.m[i][2] * a->m[2][3]);
+        out.m[i][3] =
+            -(out.m[i][0] * a->m[0][3] + out.m[i][1] * a->m[1][3] + out.m[i][2] * a->m[2][3]);
     }
     return out;
 }
@@ -107,15 +109,18 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
     double d = determinant(&placed);
     if (!isfinite(d) || d == 0.0)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
-                            "instance %u has a transform that cannot be inverted; give it a scale other than 0", index);
+        return ls_error_set(
+            error, LS_ERROR_INPUT_TRANSFORM,
+            "instance %u has a transform that cannot be inverted; give it a scale other than 0",
+            index);
     }
     Matrix inverse = invert(&placed);
     double condition = norm(&placed) * norm(&inverse);
     if (!(condition <= MAX_CONDITION))
     {
         return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
-                            "instance %u has a transform of condition number %.3g, above 1e6; scale its axes more alike",
+                            "instance %u has a transform of condition number %.3g, above 1e6; "
+                            "scale its axes more alike",
                             index, condition);
     }
     world->max_condition = fmax(world->max_condition, condition);
@@ -125,15 +130,17 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
     if (is_identity(&placed))
     {
         // Without the negative zeros of the inversion.
-        memcpy(instance->object_from_world, instance->world_from_object, sizeof instance->object_from_world);
+        memcpy(instance->object_from_world, instance->world_from_object,
+               sizeof instance->object_from_world);
         instance->flags |= LS_INSTANCE_IDENTITY;
     }
     instance->flags |= d < 0.0 ? LS_INSTANCE_MIRRORED : 0u;
     return LS_OK;
 }
 
-// World box of an instance, true to the stored inverse, and grown by what rounding can move a ray that starts within
-// the scene's coordinates: the transform's error, relative to the coordinates, and the triangle test's.
+// World box of an instance, true to the stored inverse, and grown by what rounding can move a ray
+// that starts within the scene's coordinates: the transform's error, relative to the coordinates,
+// and the triangle test's.
 static LsBox instance_box(LsWorld* world, const LsInstance* instance, const LsMesh* mesh)
 {
     Matrix stored = load_rows(instance->object_from_world);
@@ -175,7 +182,8 @@ static LsBox instance_box(LsWorld* world, const LsInstance* instance, const LsMe
     return box;
 }
 
-static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, LsError* error)
+static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, uint32_t object_count,
+                               LsError* error)
 {
     uint32_t count = world->instance_count;
     LsBox* boxes = malloc(sizeof(LsBox) * count);
@@ -185,7 +193,8 @@ static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, LsError* er
     {
         free(boxes);
         free(order);
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the top level over %u instances", count);
+        return ls_error_set(error, LS_ERROR_MEMORY,
+                            "out of memory for the top level over %u instances", count);
     }
     for (int axis = 0; axis < 3; axis++)
     {
@@ -197,7 +206,7 @@ static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, LsError* er
         boxes[i] = instance_box(world, &world->instances[i], &meshes[world->instances[i].object]);
         order[i] = i;
     }
-    if (count > 1 || (world->instances[0].flags & LS_INSTANCE_IDENTITY) == 0)
+    if (object_count > 1 || count > 1 || (world->instances[0].flags & LS_INSTANCE_IDENTITY) == 0)
     {
         world->top_node_count = ls_bvh_build(boxes, order, count, 1, world->top_nodes);
         for (uint32_t i = 0; i < world->top_node_count; i++)
@@ -217,7 +226,8 @@ static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, LsError* er
 
 static double world_area(const Matrix* placed, const LsTriangle* t)
 {
-    double corners[3][3] = {{t->v0.x, t->v0.y, t->v0.z}, {t->v1.x, t->v1.y, t->v1.z}, {t->v2.x, t->v2.y, t->v2.z}};
+    double corners[3][3] = {
+        {t->v0.x, t->v0.y, t->v0.z}, {t->v1.x, t->v1.y, t->v1.z}, {t->v2.x, t->v2.y, t->v2.z}};
     double p[3][3];
     for (int k = 0; k < 3; k++)
     {
@@ -227,7 +237,8 @@ static double world_area(const Matrix* placed, const LsTriangle* t)
     for (int i = 0; i < 3; i++)
     {
         int u = (i + 1) % 3, v = (i + 2) % 3;
-        double n = (p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u]);
+        double n =
+            (p[1][u] - p[0][u]) * (p[2][v] - p[0][v]) - (p[1][v] - p[0][v]) * (p[2][u] - p[0][u]);
         sum += n * n;
     }
     return 0.5 * sqrt(sum);
@@ -240,7 +251,8 @@ static double luminance(LsVec3 c)
 }
 
 // Every emissive triangle with an area that float can hold; selection by power.
-static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* meshes, LsError* error)
+static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* meshes,
+                            LsError* error)
 {
     uint64_t capacity = 0;
     for (int pass = 0; pass < 2; pass++)
@@ -270,8 +282,8 @@ static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* 
                 }
                 // The running sum stands in `cumulative` until the total is known.
                 total += area * luminance(material->emission);
-                world->lights[world->light_count++] =
-                    (LsLight){.instance = i, .triangle = k, .area = area, .cumulative = (float)total};
+                world->lights[world->light_count++] = (LsLight){
+                    .instance = i, .triangle = k, .area = area, .cumulative = (float)total};
             }
         }
         if (pass == 0)
@@ -283,7 +295,8 @@ static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* 
             world->lights = capacity > UINT32_MAX ? NULL : malloc(sizeof(LsLight) * capacity);
             if (world->lights == NULL)
             {
-                return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %llu emissive triangles",
+                return ls_error_set(error, LS_ERROR_MEMORY,
+                                    "out of memory for %llu emissive triangles",
                                     (unsigned long long)capacity);
             }
         }
@@ -302,12 +315,13 @@ LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* mes
     world->instances = malloc(sizeof(LsInstance) * (input->instance_count + 1ull));
     LsResult result = world->instances != NULL
                           ? LS_OK
-                          : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u instances", input->instance_count);
+                          : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u instances",
+                                         input->instance_count);
     for (uint32_t i = 0; i < input->instance_count && result == LS_OK; i++)
     {
         result = place_instance(world, input, i, error);
     }
-    result = result == LS_OK ? make_top_level(world, meshes, error) : result;
+    result = result == LS_OK ? make_top_level(world, meshes, input->mesh_count, error) : result;
     result = result == LS_OK ? list_lights(world, input, meshes, error) : result;
     if (result != LS_OK)
     {

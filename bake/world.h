@@ -1,4 +1,5 @@
-// world.h - the scene around the objects: instances with their transforms, the top level over them, lights.
+// world.h - the scene around the objects: instances with their transforms, the top level over them,
+// lights.
 
 #ifndef LS_WORLD_H
 #define LS_WORLD_H
@@ -10,7 +11,7 @@ typedef struct LsWorld
 {
     LsInstance* instances;
     uint32_t instance_count;
-    LsBvhNode* top_nodes; // none if the only instance is the identity
+    LsBvhNode* top_nodes; // none for one object and one instance, the identity
     uint32_t top_node_count;
     LsLight* lights;
     uint32_t light_count;
@@ -20,9 +21,10 @@ typedef struct LsWorld
     double max_condition;  // infinity norm condition number of the worst transform
 } LsWorld;
 
-// meshes: one per input mesh, same numbers. Triangles must have their final order, since lights name them.
-// Errors: INPUT_TRANSFORM (not invertible, or a condition number above 1e6), MEMORY.
-LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes, LsError* error);
+// meshes: one per input mesh, same numbers. Triangles must have their final order, since lights
+// name them. Errors: INPUT_TRANSFORM (not invertible, or a condition number above 1e6), MEMORY.
+LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes,
+                         LsError* error);
 void ls_world_destroy(LsWorld* world);
 
 #endif

@@ -30,7 +30,7 @@ static inline uint64_t derive_required_features(const LsObject* objects,
                                                 const LsInstance* instances, const uint32_t* counts)
 {
     uint64_t features = 0;
-    if (counts[LS_CHUNK_INSTANCES] > 1 ||
+    if (counts[LS_CHUNK_OBJECTS] > 1 || counts[LS_CHUNK_INSTANCES] > 1 ||
         (counts[LS_CHUNK_INSTANCES] == 1 && (instances[0].flags & LS_INSTANCE_IDENTITY) == 0))
     {
         features |= LS_FEATURE_TOP_LEVEL;

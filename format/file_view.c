@@ -151,7 +151,8 @@ static LsChunk find_chunk(const LsEntry* entry)
     return (LsChunk)chunk;
 }
 
-// Checks entry `index`; *last is the last known chunk before it, *end where the bytes before it end.
+// Checks entry `index`; *last is the last known chunk before it, *end where the bytes before it
+// end.
 static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* end,
                             const char* name, LsError* error)
 {

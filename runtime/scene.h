@@ -10,9 +10,9 @@ struct LsScene
     const LsContext* context;
     uint64_t features;               // required features of the file
     LsBuffer chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
-    LsBuffer table; // LsDeviceScene
+    LsBuffer table;                  // LsDeviceScene
     LsTraceScene trace;
-    VkPipeline pipelines[2];         // by LsMethod
+    VkPipeline pipelines[2]; // by LsMethod
     uint64_t device_bytes;
     uint64_t brute_rounds; // of loops when a ray tests every triangle of every instance
 };

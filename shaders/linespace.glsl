@@ -4,15 +4,16 @@
 //     #extension GL_EXT_buffer_reference_uvec2 : require
 //     #extension GL_GOOGLE_include_directive : require
 //     #include "ls_layout.h"
-//     layout(push_constant) uniform Push { LsTraceScene ls_scene; ... };  // from ls_scene_trace() of ls_runtime.h
+//     layout(push_constant) uniform Push { LsTraceScene ls_scene; ... }; // from ls_scene_trace()
 //     #include "linespace.glsl"
 //     ...
 //     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
 //
-// Cells are walked by integers alone; a point on the ray only picks among the cells that an empty cube
-// or a voxel leaves open. The s and the axis by which a cell is left are those by which the next is entered,
-// so the intervals tile the ray. Planes of cells are whole numbers times a power of two, exact in float.
-// design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo 1987; exactness: SPEC 7.5.
+// Cells are walked by integers alone; a point on the ray only picks among the cells that an empty
+// cube or a voxel leaves open. The s and the axis by which a cell is left are those by which the
+// next is entered, so the intervals tile the ray. Planes of cells are whole numbers times a power
+// of two, exact in float. design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo
+// 1987; exactness: SPEC 7.5.
 
 #ifndef LS_LINESPACE_GLSL
 #define LS_LINESPACE_GLSL
@@ -20,18 +21,15 @@
 #include "scene.glsl"
 #include "triangle.glsl"
 
-// Tests the voxel's references whose bit is set in `mask`. True if the ray may end: any hit was asked for.
-bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_triangle, uint first_reference, uint mask,
-                        uint instance, uint object, uint flags)
+// Tests the references whose bit is set in `mask`. True if the ray may end.
+bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_reference, uint mask)
 {
     LsWordArray references = LsWordArray(ls_scene.references);
     while (mask != 0u)
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
-        uint number = references.at[first_reference + bit];
-        if (ls_test_triangle(ray, best, first_triangle, number, instance, object, flags) &&
-            (flags & LS_RAY_FLAG_ANY_HIT) != 0u)
+        if (ls_test_triangle(ray, best, references.at[first_reference + bit]))
         {
             return true;
         }
@@ -39,35 +37,34 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_tria
     return false;
 }
 
-// Tests four triangles of an object, or its last again: a triangle tested twice changes nothing.
-bool ls_test_four(inout LsLocalRay ray, inout LsBest best, LsObject object, uint number, uint instance,
-                  uint object_index, uint flags)
+// Tests four triangles of an object from `number` on, or its last again: one tested twice changes
+// nothing.
+bool ls_test_four(inout LsLocalRay ray, inout LsBest best, uint number, uint last)
 {
-    uint last = object.triangle_count - 1u;
-    bool hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), number, instance, object_index, flags);
-    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 1u, last), instance, object_index, flags) || hit;
-    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 2u, last), instance, object_index, flags) || hit;
-    hit = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), min(number + 3u, last), instance, object_index, flags) || hit;
-    return hit && (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+    bool done = ls_test_triangle(ray, best, min(number, last));
+    done = ls_test_triangle(ray, best, min(number + 1u, last)) || done;
+    done = ls_test_triangle(ray, best, min(number + 2u, last)) || done;
+    done = ls_test_triangle(ray, best, min(number + 3u, last)) || done;
+    return done;
 }
 
-// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, since llvmpipe (Mesa 22.3) ends all loops of
-// an invocation, without a word, after 65535 rounds in sum.
-bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, since llvmpipe (Mesa
+// 22.3) ends all loops of an invocation, without a word, after 65535 rounds in sum.
+bool ls_test_all(inout LsLocalRay ray, inout LsBest best)
 {
+    uint count = LsObjectArray(ls_scene.objects).at[ray.object].triangle_count;
     uint round = LS_METHOD == LS_METHOD_BRUTE ? LS_BRUTE_ROUND : 1u;
-    for (uint i = 0u; i < object.triangle_count; i += round)
+    for (uint i = 0u; i < count; i += round)
     {
         bool done;
         if (LS_METHOD == LS_METHOD_BRUTE)
         {
-            done = ls_test_four(ray, best, object, i, instance, object_index, flags) ||
-                   ls_test_four(ray, best, object, min(i + 4u, object.triangle_count - 1u), instance, object_index, flags);
+            done = ls_test_four(ray, best, i, count - 1u) ||
+                   ls_test_four(ray, best, i + 4u, count - 1u);
         }
         else
         {
-            done = ls_test_triangle(ray, best, LS_FIRST(object.first_triangle), i, instance, object_index, flags) &&
-                   (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+            done = ls_test_triangle(ray, best, i);
         }
         if (done)
         {
@@ -77,7 +74,8 @@ bool ls_test_all(inout LsLocalRay ray, inout LsBest best, LsObject object, uint 
     return false;
 }
 
-// Whether a ray meets a box before `end`; `inverse` from ls_inverse_direction, so no product is NaN.
+// Whether a ray meets a box before `end`; `inverse` from ls_inverse_direction, so no product is
+// NaN.
 bool ls_meets_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float begin, float end)
 {
     precise vec3 a = (lower - origin) * inverse;
@@ -89,11 +87,13 @@ bool ls_meets_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float begin
 uint ls_patch_index(vec3 p, uint axis, uint patches)
 {
     uvec3 q = uvec3(clamp(p * float(patches), vec3(0.0), vec3(float(patches) - 0.5)));
-    return axis == 0u ? q.y * patches + q.z : (axis == 1u ? q.z * patches + q.x : q.x * patches + q.y);
+    return axis == 0u ? q.y * patches + q.z
+                      : (axis == 1u ? q.z * patches + q.x : q.x * patches + q.y);
 }
 
 // The mask of the shaft from one face and point to another; SPEC chapter 6.
-uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint face_in, vec3 point_in, uint face_out, vec3 point_out)
+uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint face_in, vec3 point_in, uint face_out,
+                   vec3 point_out)
 {
     uint patches = (voxel.shape >> 8) & 0xFFu;
     uint width_log2 = (voxel.shape >> 16) & 0xFFu;
@@ -107,7 +107,8 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint face_in, vec3 poin
     uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
     uint shaft = (pair * patches * patches + patch_a) * patches * patches + patch_b;
     uint bit = shaft << width_log2;
-    uint word = LsWordArray(ls_scene.shafts).at[first_shaft_word + voxel.table + (bit >> 5)] >> (bit & 31u);
+    uint word =
+        LsWordArray(ls_scene.shafts).at[first_shaft_word + voxel.table + (bit >> 5)] >> (bit & 31u);
     return width_log2 == 5u ? word : word & ((1u << (1u << width_log2)) - 1u);
 }
 
@@ -122,21 +123,25 @@ uint ls_max_axis(vec3 v)
 }
 
 // Walks the grid of an object. True if the ray may end.
-bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
 {
+    LsObjectArray objects = LsObjectArray(ls_scene.objects);
     LsWordArray blocks = LsWordArray(ls_scene.blocks);
     LsWordArray cells = LsWordArray(ls_scene.cell_blocks);
     LsVoxelArray voxels = LsVoxelArray(ls_scene.voxels);
 
     // The ray in grid space. Axes along which it hardly moves never leave a cell.
-    precise vec3 origin = (ray.origin - object.grid_lower) * object.inverse_cell;
-    precise vec3 direction = ray.direction * object.inverse_cell;
+    float inverse_cell = objects.at[ray.object].inverse_cell;
+    precise vec3 origin = (ray.origin - objects.at[ray.object].grid_lower) * inverse_cell;
+    precise vec3 direction = ray.direction * inverse_cell;
     bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
-    precise vec3 inverse = ls_inverse_direction(ray.direction) / object.inverse_cell;
+    precise vec3 inverse = ls_inverse_direction(ray.direction) / inverse_cell;
     bvec3 rising = greaterThanEqual(direction, vec3(0.0));
-    ivec3 dims = ivec3(object.cells[0], object.cells[1], object.cells[2]);
+    ivec3 dims = ivec3(objects.at[ray.object].cells[0], objects.at[ray.object].cells[1],
+                       objects.at[ray.object].cells[2]);
 
-    // Where it enters and leaves the grid. Triangles keep a margin to its border, so this needs no growth.
+    // Where it enters and leaves the grid. Triangles keep a margin to its border, so this needs no
+    // growth.
     vec3 border = vec3(dims);
     if (ls_max_component(mix(vec3(0.0), max(-origin, origin - border), still)) > 0.0)
     {
@@ -155,8 +160,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
 
     precise vec3 start = origin + direction * s;
     ivec3 cell = clamp(ivec3(floor(start)), ivec3(0), dims - 1); // counts cells of the level
-    ivec3 low = ivec3(0);                                          // the region of the level: the grid,
-    ivec3 high = dims;                                             // or the parent voxel of a sub-grid
+    ivec3 low = ivec3(0); // the region of the level: the grid,
+    ivec3 high = dims;    // or the parent voxel of a sub-grid
     int level = 0;
     float cells_per_unit = 1.0; // 4^level, and its inverse
     float cell_size = 1.0;
@@ -166,6 +171,12 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
     uint octant = (rising.x ? 0u : 1u) | (rising.y ? 0u : 2u) | (rising.z ? 0u : 4u);
     uint blocks_x = uint(dims.x + 3) >> 2;
     uint blocks_y = uint(dims.y + 3) >> 2;
+
+    uint first_block = LS_FIRST(objects.at[ray.object].first_block);
+    uint first_cell_block = LS_FIRST(objects.at[ray.object].first_cell_block);
+    uint first_voxel = LS_FIRST(objects.at[ray.object].first_voxel);
+    uint object_references = LS_FIRST(objects.at[ray.object].first_reference);
+    uint first_shaft_word = LS_FIRST(objects.at[ray.object].first_shaft_word);
 
     for (;;)
     {
@@ -178,7 +189,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
         if (level == 0)
         {
             uvec3 at = uvec3(cell) >> 2;
-            word = blocks.at[LS_FIRST(object.first_block) + at.x + blocks_x * (at.y + blocks_y * at.z)];
+            word = blocks.at[first_block + at.x + blocks_x * (at.y + blocks_y * at.z)];
             if ((word & 15u) != 0u)
             {
                 cube = ivec3(at) << 2;
@@ -194,7 +205,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
         if (in_block)
         {
             uvec3 at = uvec3(cell) & 3u;
-            word = cells.at[(LS_FIRST(object.first_cell_block) + block) * LS_BLOCK_CELLS + at.x + 4u * at.y + 16u * at.z];
+            word = cells.at[(first_cell_block + block) * LS_BLOCK_CELLS + at.x + 4u * at.y +
+                            16u * at.z];
             if ((word & 15u) != 0u)
             {
                 side = int((word >> (4u * octant)) & 15u);
@@ -217,7 +229,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
 
         if (filled)
         {
-            LsVoxel voxel = voxels.at[LS_FIRST(object.first_voxel) + (word >> 4)];
+            LsVoxel voxel = voxels.at[first_voxel + (word >> 4)];
             uint kind = voxel.shape & 0xFFu;
             if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
             {
@@ -235,21 +247,23 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 }
                 continue;
             }
-            uint mask = voxel.reference_count >= 32u ? 0xFFFFFFFFu : (1u << voxel.reference_count) - 1u;
-            uint first_reference = LS_FIRST(object.first_reference) + voxel.first_reference;
+            uint mask =
+                voxel.reference_count >= 32u ? 0xFFFFFFFFu : (1u << voxel.reference_count) - 1u;
+            uint first_reference = object_references + voxel.first_reference;
             if (LS_HAS_LEAF_BVHS != 0u && kind == LS_VOXEL_BVH)
             {
                 LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
-                uint first_node = LS_FIRST(object.first_leaf_node) + voxel.table;
+                uint first_node = LS_FIRST(objects.at[ray.object].first_leaf_node) + voxel.table;
                 uint node_count = nodes.at[first_node].escape;
                 for (uint i = 0u; i < node_count;)
                 {
                     LsBvhNode node = nodes.at[first_node + i];
                     float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
-                    bool met = ls_meets_box(origin, inverse, node.lower, node.upper, s_first, s_limit);
+                    bool met =
+                        ls_meets_box(origin, inverse, node.lower, node.upper, s_first, s_limit);
                     if (met && node.leaf != 0u &&
-                        ls_test_references(ray, best, LS_FIRST(object.first_triangle), first_reference + (node.leaf >> 4),
-                                           (1u << (node.leaf & 15u)) - 1u, instance, object_index, flags))
+                        ls_test_references(ray, best, first_reference + (node.leaf >> 4),
+                                           (1u << (node.leaf & 15u)) - 1u))
                     {
                         return true;
                     }
@@ -264,7 +278,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 uint axis_in = axis;
                 if (!entered)
                 {
-                    precise vec3 s_near = (vec3(mix(cell + 1, cell, rising)) * cell_size - origin) * inverse;
+                    precise vec3 s_near =
+                        (vec3(mix(cell + 1, cell, rising)) * cell_size - origin) * inverse;
                     s_near = mix(s_near, vec3(-LS_INFINITY), still);
                     axis_in = ls_max_axis(s_near);
                     s_in = min(ls_max_component(s_near), s);
@@ -273,9 +288,10 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
                 precise vec3 point_out = (origin + direction * s_out) * cells_per_unit - vec3(cell);
                 uint face_in = 2u * axis_in + (rising[axis_in] ? 0u : 1u);
                 uint face_out = 2u * axis_out + (rising[axis_out] ? 1u : 0u);
-                mask &= ls_shaft_mask(voxel, LS_FIRST(object.first_shaft_word), face_in, point_in, face_out, point_out);
+                mask &=
+                    ls_shaft_mask(voxel, first_shaft_word, face_in, point_in, face_out, point_out);
             }
-            if (ls_test_references(ray, best, LS_FIRST(object.first_triangle), first_reference, mask, instance, object_index, flags))
+            if (ls_test_references(ray, best, first_reference, mask))
             {
                 return true;
             }
@@ -296,7 +312,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
         s = s_out;
         axis = axis_out;
         entered = true;
-        while (LS_HAS_SUBGRIDS != 0u && level > 0 && (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high))))
+        while (LS_HAS_SUBGRIDS != 0u && level > 0 &&
+               (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high))))
         {
             level--;
             cells_per_unit *= 0.25;
@@ -311,8 +328,10 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
             {
                 low = (low >> 2) & ~3;
                 high = low + 4;
-                uint subgrid = block - (object.cell_block_count - object.subgrid_count);
-                block = LsWordArray(ls_scene.subgrids).at[LS_FIRST(object.first_subgrid) + subgrid];
+                uint subgrid = block - (objects.at[ray.object].cell_block_count -
+                                        objects.at[ray.object].subgrid_count);
+                block = LsWordArray(ls_scene.subgrids)
+                            .at[LS_FIRST(objects.at[ray.object].first_subgrid) + subgrid];
             }
         }
         if (any(lessThan(cell, low)) || any(greaterThanEqual(cell, high)))
@@ -322,33 +341,41 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best, LsObject object, uint
     }
 }
 
-// Traces a ray that is in the object's space. True if the ray may end.
-bool ls_trace_object(inout LsLocalRay ray, inout LsBest best, LsObject object, uint instance, uint object_index, uint flags)
+// Traces a ray that is in its object's space. True if it may end.
+bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
 {
-    if (LS_METHOD == LS_METHOD_EXACT && LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || object.kind == LS_OBJECT_GRID))
+    if (LS_METHOD == LS_METHOD_EXACT && LS_HAS_GRIDS != 0u &&
+        (LS_HAS_LISTS == 0u ||
+         LsObjectArray(ls_scene.objects).at[ray.object].kind == LS_OBJECT_GRID))
     {
-        return ls_walk_grid(ray, best, object, instance, object_index, flags);
+        return ls_walk_grid(ray, best);
     }
-    return ls_test_all(ray, best, object, instance, object_index, flags);
+    return ls_test_all(ray, best);
 }
 
 // Carries a ray into an instance and traces it there. True if the ray may end.
 bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
 {
-    LsInstance instance = LsInstanceArray(ls_scene.instances).at[index];
-    if ((instance.mask & mask) == 0u)
+    LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
+    if ((instances.at[index].mask & mask) == 0u)
     {
         return false;
     }
-    LsObject object = LsObjectArray(ls_scene.objects).at[instance.object];
-    vec3 o = ray.origin;
-    vec3 d = ray.direction;
     LsLocalRay local;
-    if (LS_HAS_TOP_LEVEL != 0u && (instance.flags & LS_INSTANCE_IDENTITY) == 0u)
+    local.origin = ray.origin;
+    local.direction = ray.direction;
+    local.instance = index;
+    local.object = LS_FIRST(instances.at[index].object);
+    local.flags = flags;
+    local.mirrored = false;
+    uint kind = LS_HAS_TOP_LEVEL != 0u ? instances.at[index].flags : LS_INSTANCE_IDENTITY;
+    if ((kind & LS_INSTANCE_IDENTITY) == 0u)
     {
+        vec3 o = ray.origin;
+        vec3 d = ray.direction;
         for (int i = 0; i < 3; i++)
         {
-            vec4 row = instance.object_from_world[i];
+            vec4 row = instances.at[index].object_from_world[i];
             precise float p = ((row.x * o.x + row.y * o.y) + row.z * o.z) + row.w;
             precise float q = (row.x * d.x + row.y * d.y) + row.z * d.z;
             local.origin[i] = p;
@@ -358,16 +385,9 @@ bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint
         {
             return false;
         }
-        local.mirrored = (instance.flags & LS_INSTANCE_MIRRORED) != 0u;
+        local.mirrored = (kind & LS_INSTANCE_MIRRORED) != 0u;
     }
-    else
-    {
-        local.origin = o;
-        local.direction = d;
-        local.mirrored = false;
-    }
-    return ls_local_ray_finish(local, object, ray.tmin, best.t) &&
-           ls_trace_object(local, best, object, index, instance.object, flags);
+    return ls_local_ray_finish(local, ray.tmin, best.t) && ls_trace_object(local, best);
 }
 
 // The triangle of the last ls_trace_ray: its index into the object's part of TRIANGLES, or LS_NONE.
@@ -376,7 +396,8 @@ uint ls_hit_triangle;
 // Traces one ray; SPEC chapter 7. `mask` selects instances (0xFF: all), `flags` are LS_RAY_FLAG_*.
 LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
 {
-    LsBest best = LsBest(ray.tmax, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, LS_NONE);
+    LsBest best = LsBest(min(ray.tmax, LS_LARGEST_FLOAT), 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE,
+                         LS_NONE, LS_NONE);
     if (!ls_ray_is_legal(ray))
     {
     }
@@ -405,8 +426,8 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
         for (uint i = 0u; i < node_count;)
         {
             LsBvhNode node = nodes.at[i];
-            bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin * scale,
-                                    best.t * scale);
+            bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad,
+                                    ray.tmin * scale, best.t * scale);
             if (met && node.leaf != 0u && ls_trace_instance(ray, best, node.leaf >> 4, mask, flags))
             {
                 break;

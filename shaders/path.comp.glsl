@@ -1,4 +1,5 @@
-// path.comp.glsl - a progressive path tracer over diffuse surfaces; docs/rendering.md tells the algorithm.
+// path.comp.glsl - a progressive path tracer over diffuse surfaces; docs/rendering.md tells the
+// algorithm.
 
 #version 460
 #extension GL_EXT_buffer_reference : require
@@ -50,9 +51,11 @@ LsHit trace(vec3 origin, vec3 direction, float tmax, uint flags)
 LsSurface load_surface(uint instance_index, uint triangle_index, vec2 weights)
 {
     LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
-    uint first_triangle = LsObjectArray(ls_scene.objects).at[instances.at[instance_index].object].first_triangle;
+    uint object = instances.at[instance_index].object;
+    uint first_triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle;
     uint flags = instances.at[instance_index].flags;
-    vec4 rows[3] = vec4[3](vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0), vec4(0.0, 0.0, 1.0, 0.0));
+    vec4 rows[3] =
+        vec4[3](vec4(1.0, 0.0, 0.0, 0.0), vec4(0.0, 1.0, 0.0, 0.0), vec4(0.0, 0.0, 1.0, 0.0));
     if (LS_HAS_TOP_LEVEL != 0u && (flags & LS_INSTANCE_IDENTITY) == 0u)
     {
         rows = instances.at[instance_index].world_from_object;
@@ -69,7 +72,8 @@ float luminance(vec3 color)
 // Radiance that leaves the surface against `direction`, the way a ray came.
 vec3 emitted(LsMaterial material, LsSurface surface, vec3 direction)
 {
-    bool seen = (material.flags & LS_MATERIAL_DOUBLE_SIDED) != 0u || dot(surface.normal, direction) < 0.0;
+    bool both = (material.flags & LS_MATERIAL_DOUBLE_SIDED) != 0u;
+    bool seen = both || dot(surface.normal, direction) < 0.0;
     return seen ? material.emission : vec3(0.0);
 }
 
@@ -89,9 +93,10 @@ uint choose_light(float random)
     return first;
 }
 
-// Light that reaches a diffuse surface of albedo 1 from one point of one light, weighed against what a
-// bounce would find there by the balance heuristic. With k = density * luminance the light is sampled by
-// k d^2 / cos_light, the bounce by cos / pi; the estimate is arranged so that it stays finite as d goes to 0.
+// Light that reaches a diffuse surface of albedo 1 from one point of one light, weighed against
+// what a bounce would find there by the balance heuristic. With k = density * luminance the light
+// is sampled by k d^2 / cos_light, the bounce by cos / pi; the estimate is arranged so that it
+// stays finite as d goes to 0.
 vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
 {
     LsLightArray lights = LsLightArray(device_scene.lights);
@@ -100,8 +105,8 @@ vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
     float probability = light.cumulative - (index == 0u ? 0.0 : lights.at[index - 1u].cumulative);
     LsSurface emitter = load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
     uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
-    uint first_triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle;
-    uint material_index = LsTriangleArray(ls_scene.triangles).at[first_triangle + light.triangle].material;
+    uint triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle + light.triangle;
+    uint material_index = LsTriangleArray(ls_scene.triangles).at[triangle].material;
     LsMaterial material = LsMaterialArray(device_scene.materials).at[material_index];
 
     vec3 way = emitter.position - surface.position;
@@ -116,7 +121,8 @@ vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
     }
 
     vec3 origin = surface.position + normal * surface.error;
-    vec3 target = emitter.position + emitter.normal * (cosine_light < 0.0 ? emitter.error : -emitter.error);
+    float side = cosine_light < 0.0 ? 1.0 : -1.0;
+    vec3 target = emitter.position + emitter.normal * (side * emitter.error);
     if (trace(origin, target - origin, LS_SHADOW_END, LS_RAY_FLAG_ANY_HIT).t >= 0.0)
     {
         return vec3(0.0);
@@ -132,7 +138,8 @@ vec3 camera_direction(uvec2 pixel, vec2 jitter)
     vec2 size = vec2(params.width, params.height);
     vec2 at = (vec2(pixel) + jitter) * 2.0 - size;
     vec3 way = vec3(at.x, -at.y, -1.0) * vec3(vec2(params.tan_half_y / size.y), 1.0);
-    return vec3(dot(params.world_from_camera[0].xyz, way), dot(params.world_from_camera[1].xyz, way),
+    return vec3(dot(params.world_from_camera[0].xyz, way),
+                dot(params.world_from_camera[1].xyz, way),
                 dot(params.world_from_camera[2].xyz, way));
 }
 
@@ -150,7 +157,8 @@ struct LsPath
 LsPath begin_path(uvec2 pixel, uint number, uint sample_index)
 {
     LsPath path;
-    path.origin = vec3(params.world_from_camera[0].w, params.world_from_camera[1].w, params.world_from_camera[2].w);
+    path.origin = vec3(params.world_from_camera[0].w, params.world_from_camera[1].w,
+                       params.world_from_camera[2].w);
     path.direction = camera_direction(pixel, ls_random(number, sample_index, 0u, params.seed).xy);
     path.throughput = vec3(1.0);
     path.radiance = vec3(0.0);
@@ -214,8 +222,8 @@ bool extend_path(inout LsPath path, uint number, uint sample_index)
     return survival > 0.0;
 }
 
-// The running average of F.-L. Schröder 2017, equation 8, C' = s/(s+1) C + 1/(s+1) C_trace, written so that a
-// constant stays itself. A sample that is not finite counts as black and is reported.
+// The running average of F.-L. Schröder 2017, equation 8, C' = s/(s+1) C + 1/(s+1) C_trace, written
+// so that a constant stays itself. A sample that is not finite counts as black and is reported.
 vec3 average(vec3 mean, vec3 value, uint count)
 {
     if (!ls_is_finite(value))
@@ -226,8 +234,9 @@ vec3 average(vec3 mean, vec3 value, uint count)
     return mean + (value - mean) / float(count + 1u);
 }
 
-// One loop over the segments of all paths: who has ended a path begins the next while neighbours go on.
-// Samples that are missing after it were cut off by the driver (llvmpipe bounds the rounds of loops).
+// One loop over the segments of all paths: who has ended a path begins the next while neighbours go
+// on. Samples that are missing after it were cut off by the driver (llvmpipe bounds the rounds of
+// loops).
 void add_samples(uvec2 pixel)
 {
     LsImage image = LsImage(params.image);

@@ -1,4 +1,5 @@
-// path_layout.h - what the path tracer's shader and the host share: parameters and counters. Never stored.
+// path_layout.h - what the path tracer's shader and the host share: parameters and counters. Never
+// stored.
 
 #ifndef LS_PATH_LAYOUT_H
 #define LS_PATH_LAYOUT_H

@@ -1,15 +1,16 @@
 // sampling.glsl - random numbers and what is drawn with them; docs/rendering.md has the formulas.
 //
-// Built from integers and from sums and products that round alike everywhere, so that devices and the
-// reference draw the same numbers. Only square roots and divisions may differ in their last bits.
+// Built from integers and from sums and products that round alike everywhere, so that devices and
+// the reference draw the same numbers. Only square roots and divisions may differ in their last
+// bits.
 
 #ifndef LS_SAMPLING_GLSL
 #define LS_SAMPLING_GLSL
 
 const float LS_PI = 3.14159265358979;
 
-// Four words for one place in a render, hashed by pcg4d: M. Jarzynski, M. Olano, "Hash Functions for GPU
-// Rendering", JCGT 9(3), 2020.
+// Four words for one place in a render, hashed by pcg4d: M. Jarzynski, M. Olano, "Hash Functions
+// for GPU Rendering", JCGT 9(3), 2020.
 uvec4 ls_random_bits(uint pixel, uint sample_index, uint dimension, uint seed)
 {
     uvec4 v = uvec4(pixel, sample_index, dimension, seed) * 1664525u + 1013904223u;
@@ -36,8 +37,9 @@ vec4 ls_random(uint pixel, uint sample_index, uint dimension, uint seed)
     return ls_unit_floats(ls_random_bits(pixel, sample_index, dimension, seed));
 }
 
-// Cosine and sine of `turn` whole turns, turn in [0,1]. The nearest quarter turn is taken out exactly, the
-// rest of at most an eighth goes through the series of sine and cosine of a quarter turn.
+// Cosine and sine of `turn` whole turns, turn in [0,1]. The nearest quarter turn is taken out
+// exactly, the rest of at most an eighth goes through the series of sine and cosine of a quarter
+// turn.
 vec2 ls_cos_sin_turn(float turn)
 {
     precise float quarters = turn * 4.0;
@@ -55,8 +57,8 @@ vec2 ls_cos_sin_turn(float turn)
     return (quadrant & 2u) != 0u ? -point : point;
 }
 
-// A direction about the unit normal n with density cos / pi. The frame is that of T. Duff et al., "Building
-// an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
+// A direction about the unit normal n with density cos / pi. The frame is that of T. Duff et al.,
+// "Building an Orthonormal Basis, Revisited", JCGT 6(1), 2017.
 vec3 ls_sample_hemisphere(vec3 n, vec2 random)
 {
     float side = n.z >= 0.0 ? 1.0 : -1.0;
@@ -70,8 +72,8 @@ vec3 ls_sample_hemisphere(vec3 n, vec2 random)
     return direction;
 }
 
-// Weights of the second and third corner, uniform over a triangle: a point of the unit square beyond the
-// diagonal is turned about its middle.
+// Weights of the second and third corner, uniform over a triangle: a point of the unit square
+// beyond the diagonal is turned about its middle.
 vec2 ls_sample_triangle(vec2 random)
 {
     return random.x + random.y > 1.0 ? 1.0 - random : random;
@@ -85,11 +87,13 @@ struct LsSurface
     float error; // how far along the normal a ray must start to be free of the surface
 };
 
-// The point with weights (u, v) of a triangle under a 3x4 matrix. `transform_bound` as in LsDeviceScene.
+// The point with weights (u, v) of a triangle under a 3x4 matrix. `transform_bound` as in
+// LsDeviceScene.
 //
-// The distance to keep follows from rounding alone, u = 2^-24: positions are off by a few u of the largest
-// term in their sums, and the triangle test by 16 u of the triangle's size (SPEC 7.6).
-LsSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weights, float transform_bound)
+// The distance to keep follows from rounding alone, u = 2^-24: positions are off by a few u of the
+// largest term in their sums, and the triangle test by 16 u of the triangle's size (SPEC 7.6).
+LsSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weights,
+                     float transform_bound)
 {
     precise vec3 edge_b = triangle.v1 - triangle.v0;
     precise vec3 edge_c = triangle.v2 - triangle.v0;
@@ -104,7 +108,8 @@ LsSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weig
     float longest = 0.0;
     for (int i = 0; i < 3; i++)
     {
-        precise float x = ((rows[i].x * point.x + rows[i].y * point.y) + rows[i].z * point.z) + rows[i].w;
+        vec4 row = rows[i];
+        precise float x = ((row.x * point.x + row.y * point.y) + row.z * point.z) + row.w;
         surface.position[i] = x;
         b[i] = dot(rows[i].xyz, edge_b);
         c[i] = dot(rows[i].xyz, edge_c);

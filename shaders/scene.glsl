@@ -1,16 +1,16 @@
 // scene.glsl - the scene's arrays on the device, and what of them this pipeline uses.
 //
-// The shader that includes it enables GL_EXT_buffer_reference and GL_EXT_buffer_reference_uvec2, and declares
-// `ls_scene`, an LsTraceScene, before the include: as push constants, in a uniform block, or as a variable that it fills from
-// LsSceneReference(address).scene.trace.
+// The shader that includes it enables GL_EXT_buffer_reference and GL_EXT_buffer_reference_uvec2,
+// and declares `ls_scene`, an LsTraceScene, before the include: as push constants, in a uniform
+// block, or as a variable that it fills from LsSceneReference(address).scene.trace.
 
 #ifndef LS_SCENE_GLSL
 #define LS_SCENE_GLSL
 
 #include "ls_layout.h"
 
-// Specialization: the method, and the required features of the file in bit order. What a file does not
-// use is compiled away.
+// Specialization: the method, and the required features of the file in bit order. What a file does
+// not use is compiled away.
 layout(constant_id = 0) const uint LS_METHOD = LS_METHOD_EXACT;
 layout(constant_id = 1) const uint LS_HAS_TOP_LEVEL = 1;
 layout(constant_id = 2) const uint LS_HAS_LISTS = 1;
@@ -19,7 +19,8 @@ layout(constant_id = 4) const uint LS_HAS_SUBGRIDS = 1;
 layout(constant_id = 5) const uint LS_HAS_LEAF_BVHS = 1;
 layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
 
-// Where an object's part of an array begins. A file without a top level has one object, whose parts begin at 0.
+// Where an object's part of an array begins. A file without a top level has one object, whose parts
+// begin at 0.
 #define LS_FIRST(index) (LS_HAS_TOP_LEVEL != 0u ? (index) : 0u)
 
 #define LS_ARRAY(name, type, alignment)                                                            \

@@ -1,8 +1,8 @@
 // triangle.glsl - rays in object space and the watertight triangle test; SPEC 7.1, 7.2 and 7.4.
 //
-// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, with the shear
-// multiplied out so that no division decides. Everything is `precise`: the same operations must give the
-// same bits wherever they are inlined, and a fused multiply-add would open the edges.
+// S. Woop, C. Benthin, I. Wald, "Watertight Ray/Triangle Intersection", JCGT 2(1), 2013, with the
+// shear multiplied out so that no division decides. Everything is `precise`: the same operations
+// must give the same bits wherever they are inlined, and a fused multiply-add would open the edges.
 
 #ifndef LS_TRIANGLE_GLSL
 #define LS_TRIANGLE_GLSL
@@ -10,6 +10,7 @@
 #include "scene.glsl"
 
 #define LS_INFINITY uintBitsToFloat(0x7F800000u)
+#define LS_LARGEST_FLOAT uintBitsToFloat(0x7F7FFFFFu)
 
 bool ls_is_finite(float x)
 {
@@ -36,7 +37,8 @@ float ls_min_component(vec3 v)
     return min(min(v.x, v.y), v.z);
 }
 
-// A direction is usable if it is finite and not zero, which starts below the smallest normal number.
+// A direction is usable if it is finite and not zero, which starts below the smallest normal
+// number.
 bool ls_is_direction(vec3 d)
 {
     return ls_is_finite(d) && ls_max_component(abs(d)) >= uintBitsToFloat(0x00800000u);
@@ -58,11 +60,11 @@ struct LsBest
     uint object;
     uint primitive;
     uint material;
-    uint triangle; // index into the object's part of TRIANGLES; set by who tests
+    uint triangle; // index into the object's part of TRIANGLES
 };
 
-// A ray in the space of one object, its direction scaled by a power of two so that the largest component
-// lies in [1,2). Distances s count scaled directions: s = t * scale.
+// A ray in the space of one object, its direction scaled by a power of two so that the largest
+// component lies in [1,2). Distances s count scaled directions: s = t * scale.
 struct LsLocalRay
 {
     vec3 origin; // moved along the ray by s0 if it lay far away
@@ -72,6 +74,10 @@ struct LsLocalRay
     float smax; // of the nearest hit so far
     float scale;
     uint major; // axis of the largest component of the direction
+    uint instance;
+    uint object;
+    uint first_triangle; // of the object
+    uint flags;          // LS_RAY_FLAG_*
     bool mirrored;
 };
 
@@ -87,8 +93,8 @@ float ls_exact_inverse(float power_of_two)
     return uintBitsToFloat((254u << 23) - floatBitsToUint(power_of_two));
 }
 
-// Components this small, against a direction scaled to 1, move a ray by nothing on its whole way; they are
-// kept from zero so that the inverse stays finite.
+// Components this small, against a direction scaled to 1, move a ray by nothing on its whole way;
+// they are kept from zero so that the inverse stays finite.
 const float LS_SMALLEST_COMPONENT = 8.67361737988403547e-19; // 2^-60
 
 vec3 ls_inverse_direction(vec3 d)
@@ -97,23 +103,27 @@ vec3 ls_inverse_direction(vec3 d)
     return 1.0 / kept;
 }
 
-// Moves an origin that lies farther than `reach` outside the object's box to where the ray enters it.
-// False if the ray misses the box.
-bool ls_move_far_origin(inout LsLocalRay ray, LsObject object)
+// Moves an origin that lies farther than `reach` outside the object's box to where the ray enters
+// it. False if the ray misses the box.
+bool ls_move_far_origin(inout LsLocalRay ray)
 {
+    LsObjectArray objects = LsObjectArray(ls_scene.objects);
+    vec3 box_lower = objects.at[ray.object].lower;
+    vec3 box_upper = objects.at[ray.object].upper;
+    float reach = objects.at[ray.object].reach;
     for (int step = 0; step < 2; step++)
     {
-        precise vec3 below = object.lower - ray.origin;
-        precise vec3 above = ray.origin - object.upper;
+        precise vec3 below = box_lower - ray.origin;
+        precise vec3 above = ray.origin - box_upper;
         float far = max(ls_max_component(below), ls_max_component(above));
-        if (!(far > object.reach))
+        if (!(far > reach))
         {
             return true;
         }
         float pad = far * 1.9073486328125e-06; // 2^-19
         bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
-        precise vec3 lower = object.lower - pad;
-        precise vec3 upper = object.upper + pad;
+        precise vec3 lower = box_lower - pad;
+        precise vec3 upper = box_upper + pad;
         vec3 outside = max(lower - ray.origin, ray.origin - upper);
         if (ls_max_component(mix(vec3(0.0), outside, still)) > 0.0)
         {
@@ -134,13 +144,13 @@ bool ls_move_far_origin(inout LsLocalRay ray, LsObject object)
         ray.origin = origin;
         ray.s0 = s0;
     }
-    precise vec3 below = object.lower - ray.origin;
-    precise vec3 above = ray.origin - object.upper;
-    return !(max(ls_max_component(below), ls_max_component(above)) > object.reach);
+    precise vec3 below = box_lower - ray.origin;
+    precise vec3 above = ray.origin - box_upper;
+    return !(max(ls_max_component(below), ls_max_component(above)) > reach);
 }
 
-// Finishes a ray whose origin and direction are in object space. False if it misses the object.
-bool ls_local_ray_finish(inout LsLocalRay local, LsObject object, float tmin, float tmax)
+// Finishes a ray whose origin, direction and object are set. False if it misses the object.
+bool ls_local_ray_finish(inout LsLocalRay local, float tmin, float tmax)
 {
     local.scale = ls_direction_scale(local.direction);
     local.direction *= ls_exact_inverse(local.scale);
@@ -149,23 +159,25 @@ bool ls_local_ray_finish(inout LsLocalRay local, LsObject object, float tmin, fl
     local.smax = tmax * local.scale;
     vec3 size = abs(local.direction);
     local.major = size.x >= size.y && size.x >= size.z ? 0u : (size.y >= size.z ? 1u : 2u);
-    return ls_move_far_origin(local, object);
+    local.first_triangle =
+        LS_FIRST(LsObjectArray(ls_scene.objects).at[local.object].first_triangle);
+    return ls_move_far_origin(local);
 }
 
-// (kx, ky, kz) of SPEC 7.4 without the swap: it negates U, V, W and det together, which changes neither
-// the decision nor s, u, v.
+// (kx, ky, kz) of SPEC 7.4 without the swap: it negates U, V, W and det together, which changes
+// neither the decision nor s, u, v.
 vec3 ls_permute(vec3 v, uint major)
 {
     return major == 2u ? v : (major == 1u ? v.zxy : v.yzx);
 }
 
-// Tests triangle `number` of an object whose triangles begin at `first`, and keeps it if it is the best so far. Returns
-// whether it is. What only a hit needs is loaded only then.
-bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint number, uint instance, uint object,
-                      uint flags)
+// Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns
+// whether the ray may end: it is a hit and any hit was asked for. What only a hit needs is loaded
+// only then.
+bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
 {
     LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    uint index = first + number;
+    uint index = ray.first_triangle + number;
     precise vec3 d = ls_permute(ray.direction, ray.major);
     precise vec3 a = ls_permute(triangles.at[index].v0 - ray.origin, ray.major);
     precise vec3 b = ls_permute(triangles.at[index].v1 - ray.origin, ray.major);
@@ -173,8 +185,8 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint 
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
-    // Off the ends of a needle, U, V and W may all round to zero; the bounds tell. They cost no hit: rounding
-    // turns a sign to zero at most, so whatever truly holds the ray accepts it.
+    // Off the ends of a needle, U, V and W may all round to zero; the bounds tell. They cost no
+    // hit: rounding turns a sign to zero at most, so whatever truly holds the ray accepts it.
     vec2 low = min(min(pa, pb), pc);
     vec2 high = max(max(pa, pb), pc);
     if (max(low.x, low.y) > 0.0 || min(high.x, high.y) < 0.0)
@@ -193,24 +205,45 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint 
     {
         return false;
     }
-    precise float numerator = (u * a.z + v * b.z) + w * c.z;
-    precise float denominator = det * d.z;
-    precise float quotient = numerator / denominator;
+    // In slivers the rounding of U, V and W moves the weighed point far along the triangle; how far
+    // shows in projection, and the longest edge leads it back under the ray.
+    precise vec2 ab = pb - pa;
+    precise vec2 bc = pc - pb;
+    precise vec2 ca = pa - pc;
+    precise vec3 lengths =
+        vec3(ab.x * ab.x + ab.y * ab.y, bc.x * bc.x + bc.y * bc.y, ca.x * ca.x + ca.y * ca.y);
+    precise vec3 edge = vec3(ab, b.z - a.z);
+    precise float longest = lengths.x;
+    if (lengths.y > longest)
+    {
+        edge = vec3(bc, c.z - b.z);
+        longest = lengths.y;
+    }
+    if (lengths.z > longest)
+    {
+        edge = vec3(ca, a.z - c.z);
+        longest = lengths.z;
+    }
+    precise vec2 beside = ((u * pa + v * pb) + w * pc) / det;
+    precise float back = (beside.x * edge.x + beside.y * edge.y) / longest;
+    precise float height = ((u * a.z + v * b.z) + w * c.z) / det - back * edge.z;
+    precise float quotient = height / d.z;
     precise float s = quotient + ray.s0;
     if (!(s > ray.smin && s <= ray.smax))
     {
         return false;
     }
     uint primitive = triangles.at[index].primitive;
-    if (s == ray.smax && (best.instance == LS_NONE || instance > best.instance ||
-                          (instance == best.instance && primitive > best.primitive)))
+    if (s == ray.smax && (best.instance == LS_NONE || ray.instance > best.instance ||
+                          (ray.instance == best.instance && primitive > best.primitive)))
     {
         return false;
     }
-    if ((flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) != 0u)
+    if ((ray.flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) != 0u)
     {
-        bool front = ((denominator > 0.0) != ray.mirrored);
-        if ((flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) != 0u)
+        bool front = ((det > 0.0) == (d.z > 0.0)) != ray.mirrored;
+        if ((ray.flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) !=
+            0u)
         {
             return false;
         }
@@ -221,12 +254,12 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint first, uint 
     best.t = s * ls_exact_inverse(ray.scale);
     best.u = weight_u;
     best.v = weight_v;
-    best.instance = instance;
-    best.object = object;
+    best.instance = ray.instance;
+    best.object = ray.object;
     best.primitive = primitive;
     best.triangle = number;
     best.material = triangles.at[index].material;
-    return true;
+    return (ray.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 
 #endif

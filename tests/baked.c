@@ -1,15 +1,16 @@
 #include "baked.h"
 
-// cmocka wants these first.
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
 #include <stdio.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 static void require(LsResult result, const LsError* error)
 {
@@ -19,8 +20,8 @@ static void require(LsResult result, const LsError* error)
     }
 }
 
-void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name, LsTestPlacement placement,
-                   uint32_t grid, uint32_t patches, uint32_t threads)
+void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
+                   LsTestPlacement placement, uint32_t grid, uint32_t patches, uint32_t threads)
 {
     memset(baked, 0, sizeof *baked);
     const char* folder = LS_BINARY_DIR "/test_scenes";
@@ -60,8 +61,9 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name, LsT
     }
 
     require(ls_mapping_open(&baked->mapping, baked->path, &error), &error);
-    require(ls_file_open(&baked->file, baked->mapping.bytes, baked->mapping.size, baked->path, &error),
-            &error);
+    require(
+        ls_file_open(&baked->file, baked->mapping.bytes, baked->mapping.size, baked->path, &error),
+        &error);
     require(ls_file_check(&baked->file, baked->path, &error), &error);
     require(ls_file_check_hashes(&baked->file, baked->path, &error), &error);
 }

@@ -22,10 +22,11 @@ typedef struct LsBaked
     LsBakeReport report;
 } LsBaked;
 
-// Bakes into the build folder under a name made of the arguments, opens the file and checks it. grid and patches
-// 0: the baker's default; threads 0: all. Failures fail the calling cmocka test with the error's text.
-void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name, LsTestPlacement placement,
-                   uint32_t grid, uint32_t patches, uint32_t threads);
+// Bakes into the build folder under a name made of the arguments, opens the file and checks it.
+// grid and patches 0: the baker's default; threads 0: all. Failures fail the calling cmocka test
+// with the error's text.
+void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
+                   LsTestPlacement placement, uint32_t grid, uint32_t patches, uint32_t threads);
 void ls_baked_close(LsBaked* baked); // removes the file
 
 #endif

@@ -75,7 +75,8 @@ static void add_quad(Scene* scene, const float p[4][3], uint32_t material)
     add_triangle(scene, v[0], v[2], v[3], material);
 }
 
-// A face of a box with axis = face / 2 at the lower (even) or upper (odd) coordinate, its front inside or outside.
+// A face of a box with axis = face / 2 at the lower (even) or upper (odd) coordinate, its front
+// inside or outside.
 static void add_face(Scene* scene, const float lower[3], const float upper[3], int face,
                      int outside, uint32_t material)
 {
@@ -144,7 +145,8 @@ static LsInstance identity_instance(uint32_t object)
     };
 }
 
-// Turned by 0.4 about y, stretched by (1, 1.5, 0.7), mirrored in x, moved onto the floor of the room.
+// Turned by 0.4 about y, stretched by (1, 1.5, 0.7), mirrored in x, moved onto the floor of the
+// room.
 static LsInstance turned_instance(uint32_t object, float scale)
 {
     LsInstance instance = {

@@ -11,7 +11,7 @@ typedef enum LsBoxScene
     LS_BOX_INSTANCES, // the same, the block a second object: turned, stretched, mirrored
     LS_BOX_OPEN,      // floor and block, no lights, no camera
     LS_BOX_FURNACE, // a closed cube whose walls all emit 1 inwards and reflect half; camera inside
-    LS_BOX_RECTANGLE, // a floor of albedo 1 seen straight from above, a rectangle light that faces down, height 1
+    LS_BOX_RECTANGLE, // a floor of albedo 1 seen from above, 1 below a rectangle light facing it
 } LsBoxScene;
 
 // Writes the scene with all lengths times `scale`. Errors: as ls_file_write.

@@ -110,7 +110,8 @@ static void set_voxel(LsFixture* fixture, uint32_t voxel, uint32_t shape, uint32
     }
 }
 
-// Appends a mask table with all legal bits set in a third of its words, and returns the voxel's shape.
+// Appends a mask table with all legal bits set in a third of its words, and returns the voxel's
+// shape.
 static uint32_t add_table(LsFixture* fixture, uint32_t patches, uint32_t log2_width, uint32_t count,
                           uint32_t* word)
 {
@@ -127,7 +128,8 @@ static uint32_t add_table(LsFixture* fixture, uint32_t patches, uint32_t log2_wi
     return LS_VOXEL_MASKS | patches << 8 | log2_width << 16;
 }
 
-// Two levels of sub-grids: cell blocks 0 and 1 are the grid's; 2 and 3 hang on block 0, 4 on block 2.
+// Two levels of sub-grids: cell blocks 0 and 1 are the grid's; 2 and 3 hang on block 0, 4 on block
+// 2.
 static void fill_grid(LsFixture* fixture)
 {
     static const struct

@@ -1,5 +1,6 @@
-// file_fixture.h - a small made-up scene that uses every chunk, every kind of voxel and every width of
-// mask, for tests of the format. Its arrays obey every rule; its masks and distances describe no geometry.
+// file_fixture.h - a small made-up scene that uses every chunk, every kind of voxel and every width
+// of mask, for tests of the format. Its arrays obey every rule; its masks and distances describe no
+// geometry.
 
 #ifndef LS_FILE_FIXTURE_H
 #define LS_FILE_FIXTURE_H

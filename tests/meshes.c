@@ -2,16 +2,17 @@
 
 #include "test_random.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 const char* ls_test_mesh_name(LsTestMeshId id)
 {
@@ -23,7 +24,8 @@ const char* ls_test_mesh_name(LsTestMeshId id)
     return names[id];
 }
 
-// ---- Building blocks ------------------------------------------------------------------------------
+// ---- Building blocks
+// ------------------------------------------------------------------------------
 
 static LsTestMesh make_empty(uint32_t vertex_count, uint32_t triangle_count)
 {
@@ -96,7 +98,8 @@ static LsTestMesh join_meshes(LsTestMesh* a, LsTestMesh* b)
     return mesh;
 }
 
-// ---- Loaded ---------------------------------------------------------------------------------------
+// ---- Loaded
+// ---------------------------------------------------------------------------------------
 
 // Reads the PLY files of this repository: binary little-endian, three floats a vertex, triangles.
 static LsTestMesh load_ply(const char* path)
@@ -159,7 +162,8 @@ static LsTestMesh tessellate_teapot(uint32_t n)
     }
     for (uint32_t i = 0; i < point_count; i++)
     {
-        assert_int_equal(fscanf(file, "%lf %lf %lf", &points[i][0], &points[i][1], &points[i][2]), 3);
+        assert_int_equal(fscanf(file, "%lf %lf %lf", &points[i][0], &points[i][1], &points[i][2]),
+                         3);
     }
     fclose(file);
 
@@ -186,10 +190,11 @@ static LsTestMesh tessellate_teapot(uint32_t n)
     return mesh;
 }
 
-// ---- Made -----------------------------------------------------------------------------------------
+// ---- Made
+// -----------------------------------------------------------------------------------------
 
-// The surface of a cube of side `side` from `lower` on, `n` cells along each edge, seen from outside or, turned,
-// from inside. Faces share their border vertices.
+// The surface of a cube of side `side` from `lower` on, `n` cells along each edge, seen from
+// outside or, turned, from inside. Faces share their border vertices.
 static LsTestMesh make_cube(uint32_t n, double lower, double side, bool turned)
 {
     uint32_t lattice = (n + 1) * (n + 1) * (n + 1);
@@ -416,7 +421,8 @@ LsTestMesh ls_test_mesh_make(LsTestMeshId id)
     return mesh;
 }
 
-// ---- Asked ----------------------------------------------------------------------------------------
+// ---- Asked
+// ----------------------------------------------------------------------------------------
 
 static int compare_edges(const void* a, const void* b)
 {
@@ -505,8 +511,8 @@ bool ls_test_mesh_contains(const LsTestMesh* mesh, const double point[3])
         double away[3];
         for (uint32_t axis = 0; axis < 3; axis++)
         {
-            away[axis] = point[axis] + ways[way][axis] * (upper[0] - lower[0] + upper[1] - lower[1] +
-                                                          upper[2] - lower[2]);
+            away[axis] = point[axis] + ways[way][axis] * (upper[0] - lower[0] + upper[1] -
+                                                          lower[1] + upper[2] - lower[2]);
         }
         uint32_t crossings = 0;
         for (uint32_t triangle = 0; triangle < mesh->triangle_count; triangle++)
@@ -521,7 +527,8 @@ bool ls_test_mesh_contains(const LsTestMesh* mesh, const double point[3])
     return true;
 }
 
-// ---- Written --------------------------------------------------------------------------------------
+// ---- Written
+// --------------------------------------------------------------------------------------
 
 void ls_test_mesh_write_ply(const LsTestMesh* mesh, const char* path)
 {
@@ -552,7 +559,8 @@ static void write_matrix(FILE* file, const double m[3][4], bool last)
     fprintf(file, "]}%s\n", last ? "" : ",");
 }
 
-// Columns of a rotation times factors, turning the mesh about its middle and placing that at `place`.
+// Columns of a rotation times factors, turning the mesh about its middle and placing that at
+// `place`.
 static void place_mesh(double m[3][4], const double factors[3], double qx, double qy, double qz,
                        double qw, const double middle[3], const double place[3])
 {
@@ -598,19 +606,20 @@ void ls_test_mesh_write_gltf(const LsTestMesh* mesh, const char* path)
     assert_non_null(file);
     const char* name = strrchr(bin_path, '/') ? strrchr(bin_path, '/') + 1 : bin_path;
     uint32_t position_bytes = 12 * mesh->vertex_count, index_bytes = 12 * mesh->triangle_count;
-    fprintf(file,
-            "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\n"
-            "\"buffers\":[{\"uri\":\"%s\",\"byteLength\":%u}],\n"
-            "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":%u},"
-            "{\"buffer\":0,\"byteOffset\":%u,\"byteLength\":%u}],\n"
-            "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%u,\"type\":\"VEC3\","
-            "\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]},"
-            "{\"bufferView\":1,\"componentType\":5125,\"count\":%u,\"type\":\"SCALAR\"}],\n"
-            "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\n"
-            "\"nodes\":[\n{\"mesh\":0},\n",
-            name, position_bytes + index_bytes, position_bytes, position_bytes, index_bytes,
-            mesh->vertex_count, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2],
-            3 * mesh->triangle_count);
+    fprintf(
+        file,
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],\n"
+        "\"buffers\":[{\"uri\":\"%s\",\"byteLength\":%u}],\n"
+        "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":0,\"byteLength\":%u},"
+        "{\"buffer\":0,\"byteOffset\":%u,\"byteLength\":%u}],\n"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":%u,\"type\":\"VEC3\","
+        "\"min\":[%.9g,%.9g,%.9g],\"max\":[%.9g,%.9g,%.9g]},"
+        "{\"bufferView\":1,\"componentType\":5125,\"count\":%u,\"type\":\"SCALAR\"}],\n"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],\n"
+        "\"nodes\":[\n{\"mesh\":0},\n",
+        name, position_bytes + index_bytes, position_bytes, position_bytes, index_bytes,
+        mesh->vertex_count, lower[0], lower[1], lower[2], upper[0], upper[1], upper[2],
+        3 * mesh->triangle_count);
     double m[3][4];
     const double turned[3] = {middle[0] + 0.9 * size, middle[1] + 0.2 * size, middle[2]};
     place_mesh(m, (double[3]){1.0, 1.0, 1.0}, 0.3, -0.5, 0.2, 0.8, middle, turned);

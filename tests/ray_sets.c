@@ -2,15 +2,16 @@
 
 #include "test_random.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 const char* ls_ray_class_name(LsRayClass ray_class)
 {
@@ -99,7 +100,8 @@ static void pick_point(LsRayMaker* maker, double stretch, double p[3])
     }
 }
 
-// ---- Between object and world -----------------------------------------------------------------------
+// ---- Between object and world
+// -----------------------------------------------------------------------
 
 static void move_point(const LsRayMaker* maker, double p[3])
 {
@@ -195,7 +197,8 @@ static void pick_object_point(LsRayMaker* maker, double p[3])
     }
 }
 
-// A corner of the object's cells, at times of the quarters of cells; for lists, of eighths of the box.
+// A corner of the object's cells, at times of the quarters of cells; for lists, of eighths of the
+// box.
 static void pick_cell_corner(LsRayMaker* maker, double p[3], double* cell)
 {
     const LsObject* object = maker->object;
@@ -211,7 +214,8 @@ static void pick_cell_corner(LsRayMaker* maker, double p[3], double* cell)
     }
 }
 
-// ---- Classes ----------------------------------------------------------------------------------------
+// ---- Classes
+// ----------------------------------------------------------------------------------------
 
 static LsRay make_camera(LsRayMaker* maker)
 {
@@ -257,7 +261,8 @@ static LsRay make_shadow(LsRayMaker* maker)
     pick_start(maker, p, n);
     for (uint32_t axis = 0; axis < 3; axis++)
     {
-        double light = maker->upper[axis] + maker->size * (axis == 1 ? 0.5 : between(maker, -0.6, 0.2));
+        double light =
+            maker->upper[axis] + maker->size * (axis == 1 ? 0.5 : between(maker, -0.6, 0.2));
         d[axis] = light - p[axis];
     }
     if (below(maker, 2))

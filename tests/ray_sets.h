@@ -8,18 +8,18 @@
 #include "ls_format.h"
 
 // The first four classes are what a renderer traces: the "ordinary" set of the contract.
-#define LS_RAY_CLASS_LIST(X)                                                                       \
-    X(CAMERA, "camera")   /* a few eyes outside, towards points of the scene's box */              \
-    X(SHADOW, "shadow")   /* from surfaces to points of a light, tmax there */                     \
-    X(DIFFUSE, "diffuse") /* from surfaces, cosine-distributed */                                  \
-    X(RANDOM, "random")   /* any origin in and about the scene, any direction */                   \
-    X(AXIS, "axis")       /* one or two components zero, of either sign */                         \
-    X(CELL, "cell")       /* through corners of cells, along their faces, edges and diagonals */   \
-    X(CORNER, "corner")   /* at vertices and edges, and along edges */                             \
-    X(ORIGIN, "origin")   /* origins on vertices, edges, triangles and borders of cells */         \
-    X(FAR, "far")         /* origins 1e3 to 1e7 scene sizes away */                                \
-    X(SCALED, "scaled")   /* directions of length 1e-37 to 1e37 */                                 \
-    X(CUT, "cut")         /* tmin or tmax at, just before or just behind a surface */              \
+#define LS_RAY_CLASS_LIST(X)                                                                     \
+    X(CAMERA, "camera")   /* a few eyes outside, towards points of the scene's box */            \
+    X(SHADOW, "shadow")   /* from surfaces to points of a light, tmax there */                   \
+    X(DIFFUSE, "diffuse") /* from surfaces, cosine-distributed */                                \
+    X(RANDOM, "random")   /* any origin in and about the scene, any direction */                 \
+    X(AXIS, "axis")       /* one or two components zero, of either sign */                       \
+    X(CELL, "cell")       /* through corners of cells, along their faces, edges and diagonals */ \
+    X(CORNER, "corner")   /* at vertices and edges, and along edges */                           \
+    X(ORIGIN, "origin")   /* origins on vertices, edges, triangles and borders of cells */       \
+    X(FAR, "far")         /* origins 1e3 to 1e7 scene sizes away */                              \
+    X(SCALED, "scaled")   /* directions of length 1e-37 to 1e37 */                               \
+    X(CUT, "cut")         /* tmin or tmax at, just before or just behind a surface */            \
     X(ILLEGAL, "illegal") /* NaN, infinite, zero and reversed intervals */
 
 typedef enum LsRayClass
@@ -27,7 +27,7 @@ typedef enum LsRayClass
 #define LS_RAY_CLASS_ENUMERATOR(name, text) LS_RAY_CLASS_##name,
     LS_RAY_CLASS_LIST(LS_RAY_CLASS_ENUMERATOR)
 #undef LS_RAY_CLASS_ENUMERATOR
-    LS_RAY_CLASS_COUNT
+        LS_RAY_CLASS_COUNT
 } LsRayClass;
 
 #define LS_ORDINARY_CLASS_COUNT 4u

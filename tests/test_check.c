@@ -1,4 +1,5 @@
-// test_check.c - every rule of SPEC.md has a file that breaks it and nothing else before it, and is named.
+// test_check.c - every rule of SPEC.md has a file that breaks it and nothing else before it, and is
+// named.
 
 #include "file_fixture.h"
 
@@ -59,8 +60,8 @@ typedef struct Case
     Edit edits[3]; // up to the first of size 0
 } Case;
 
-// A broken file each, its hashes made right again. In the fixture the entries are the chunks in order, so
-// entry n is chunk n. See file_fixture.c for what the records hold.
+// A broken file each, its hashes made right again. In the fixture the entries are the chunks in
+// order, so entry n is chunk n. See file_fixture.c for what the records hold.
 static const Case cases[] = {
     {"R2.1", LS_ERROR_NOT_LSPACE, {HEAD(magic[0], 1, 0)}},
     {"R2.1", LS_ERROR_NOT_LSPACE, {HEAD(magic[9], 1, '2')}},

@@ -1,10 +1,10 @@
-// The exactness suite: the GPU through the Line Space against the GPU over all triangles, bit for bit, and both
-// against the float reference, double precision and Embree by the contract of SPEC 7.6. docs/exactness.md
-// says how to read its table.
+// The exactness suite: the GPU through the Line Space against the GPU over all triangles, bit for
+// bit, and both against the float reference, double precision and Embree by the contract of SPEC
+// 7.6. docs/exactness.md says how to read its table.
 //
 // test_exact [--rays N] [--brute M] [--mesh NAME]
 //     N rays a mesh and placement, 20,000 by default.
-//     The GPU tests all triangles for as many rays of a setting as M million tests allow (default 20; 0: for
+//     The GPU tests all triangles for as many rays of a setting as M million tests allow (default 10; 0: for
 //     every ray), and for each ray on which the Line Space, the float reference and Embree are not of one mind.
 //     NAME: one mesh instead of all.
 
@@ -15,16 +15,17 @@
 #include "reference/ref_trace.h"
 #include "test_random.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 // One way to bake a mesh, and its share of the rays in percent.
 typedef struct LsSetting
@@ -44,17 +45,56 @@ typedef struct LsExactCase
 } LsExactCase;
 
 static const LsExactCase CASES[] = {
-    {LS_TEST_MESH_BUNNY, true, {{LS_TEST_ALONE, 0, 0, 40}, {LS_TEST_ALONE, 64, 5, 30}, {LS_TEST_ALONE, 13, 2, 30}, {LS_TEST_INSTANCES, 0, 0, 100}}},
-    {LS_TEST_MESH_TEAPOT, true, {{LS_TEST_ALONE, 0, 0, 40}, {LS_TEST_ALONE, 40, 1, 30}, {LS_TEST_ALONE, 3, 4, 30}, {LS_TEST_INSTANCES, 0, 0, 60}, {LS_TEST_INSTANCES, 20, 5, 40}}},
-    {LS_TEST_MESH_ELEPHANT, true, {{LS_TEST_ALONE, 0, 0, 40}, {LS_TEST_ALONE, 100, 2, 30}, {LS_TEST_ALONE, 9, 6, 30}, {LS_TEST_INSTANCES, 0, 0, 60}, {LS_TEST_INSTANCES, 7, 3, 40}}},
-    {LS_TEST_MESH_SHELL, false, {{LS_TEST_ALONE, 0, 0, 40}, {LS_TEST_ALONE, 16, 4, 30}, {LS_TEST_ALONE, 1, 3, 30}, {LS_TEST_INSTANCES, 0, 0, 60}, {LS_TEST_INSTANCES, 16, 2, 40}}},
-    {LS_TEST_MESH_SHEETS, false, {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 30, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
-    {LS_TEST_MESH_SLIVERS, false, {{LS_TEST_ALONE, 0, 0, 40}, {LS_TEST_ALONE, 25, 2, 30}, {LS_TEST_ALONE, 4, 5, 30}, {LS_TEST_INSTANCES, 0, 0, 60}, {LS_TEST_INSTANCES, 12, 3, 40}}},
-    {LS_TEST_MESH_HUB, false, {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 8, 2, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
-    {LS_TEST_MESH_FAN, false, {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 64, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_BUNNY,
+     true,
+     {{LS_TEST_ALONE, 0, 0, 40},
+      {LS_TEST_ALONE, 64, 5, 30},
+      {LS_TEST_ALONE, 13, 2, 30},
+      {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_TEAPOT,
+     true,
+     {{LS_TEST_ALONE, 0, 0, 40},
+      {LS_TEST_ALONE, 40, 1, 30},
+      {LS_TEST_ALONE, 3, 4, 30},
+      {LS_TEST_INSTANCES, 0, 0, 60},
+      {LS_TEST_INSTANCES, 20, 5, 40}}},
+    {LS_TEST_MESH_ELEPHANT,
+     true,
+     {{LS_TEST_ALONE, 0, 0, 40},
+      {LS_TEST_ALONE, 100, 2, 30},
+      {LS_TEST_ALONE, 9, 6, 30},
+      {LS_TEST_INSTANCES, 0, 0, 60},
+      {LS_TEST_INSTANCES, 7, 3, 40}}},
+    {LS_TEST_MESH_SHELL,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 40},
+      {LS_TEST_ALONE, 16, 4, 30},
+      {LS_TEST_ALONE, 1, 3, 30},
+      {LS_TEST_INSTANCES, 0, 0, 60},
+      {LS_TEST_INSTANCES, 16, 2, 40}}},
+    {LS_TEST_MESH_SHEETS,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 30, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_SLIVERS,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 40},
+      {LS_TEST_ALONE, 25, 2, 30},
+      {LS_TEST_ALONE, 4, 5, 30},
+      {LS_TEST_INSTANCES, 0, 0, 60},
+      {LS_TEST_INSTANCES, 12, 3, 40}}},
+    {LS_TEST_MESH_HUB,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 8, 2, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_FAN,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 64, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
     {LS_TEST_MESH_ONE, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
-    {LS_TEST_MESH_FLAT, false, {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 20, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
-    {LS_TEST_MESH_STADIUM, false, {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 9, 3, 50}, {LS_TEST_INSTANCES, 9, 3, 100}}},
+    {LS_TEST_MESH_FLAT,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 20, 3, 50}, {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_STADIUM,
+     false,
+     {{LS_TEST_ALONE, 0, 0, 50}, {LS_TEST_ALONE, 9, 3, 50}, {LS_TEST_INSTANCES, 9, 3, 100}}},
     {LS_TEST_MESH_MICRO, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
     {LS_TEST_MESH_MEGA, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
     {LS_TEST_MESH_FAR, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
@@ -74,25 +114,26 @@ typedef enum LsAnswerer
 typedef struct LsTally
 {
     uint64_t rays, hits, ordinary_rays;
-    uint64_t brute_rays;                      // traced over all triangles on the GPU as well
-    uint64_t differing;                       // of these: exact and brute are not the same bits
-    uint64_t cpu_equal;                       // exact and the float reference are the same bits
-    uint64_t exceptions[LS_EXCEPTION_COUNT];  // of these, by cause; NONE are defects
+    uint64_t brute_rays;                     // traced over all triangles on the GPU as well
+    uint64_t differing;                      // of these: exact and brute are not the same bits
+    uint64_t cpu_equal;                      // exact and the float reference are the same bits
+    uint64_t exceptions[LS_EXCEPTION_COUNT]; // of these, by cause; NONE are defects
     uint64_t ordinary_exceptions;
-    double largest_cosine;                    // of an excepted triangle
-    uint64_t flagged, flagged_wrong;          // rays traced again with flags, and answers that do not fit
+    double largest_cosine;           // of an excepted triangle
+    uint64_t flagged, flagged_wrong; // rays traced again with flags, and answers that do not fit
     uint64_t verdicts[LS_ANSWER_COUNT][LS_VERDICT_COUNT];
     uint64_t embree_differs, embree_differs_ordinary; // another triangle than the GPU
-    uint64_t inside, lost;                    // rays from inside a closed mesh, and those that came out
+    uint64_t inside, lost; // rays from inside a closed mesh, and those that came out
 } LsTally;
 
 static LsGpu gpu;
 static uint32_t ray_count = 20000;
-static uint64_t brute_million = 20;
+static uint64_t brute_million = 10;
 static LsTally total;
 static uint64_t ordinary_mesh_rays, ordinary_mesh_exceptions;
 
-// ---- One set of rays ----------------------------------------------------------------------------------
+// ---- One set of rays
+// ----------------------------------------------------------------------------------
 
 typedef struct LsContest
 {
@@ -111,17 +152,20 @@ static bool is_same_triangle(const LsHit* a, const LsHit* b)
 
 static void print_ray(const char* what, const LsRay* ray)
 {
-    print_message("  %s: o %.9g %.9g %.9g d %.9g %.9g %.9g t %.9g %.9g\n", what, ray->origin.x, ray->origin.y,
-                  ray->origin.z, ray->direction.x, ray->direction.y, ray->direction.z, ray->tmin, ray->tmax);
+    print_message("  %s: o %.9g %.9g %.9g d %.9g %.9g %.9g t %.9g %.9g\n", what, ray->origin.x,
+                  ray->origin.y, ray->origin.z, ray->direction.x, ray->direction.y,
+                  ray->direction.z, ray->tmin, ray->tmax);
 }
 
-static void print_answer(const LsContest* contest, const LsRay* ray, const char* who, const LsHit* hit)
+static void print_answer(const LsContest* contest, const LsRay* ray, const char* who,
+                         const LsHit* hit)
 {
     LsReferenceMargin margin = {.t = NAN};
     ls_reference_margin(contest->reference, ray, 255, hit->instance, hit->primitive, &margin);
-    print_message("  %s: t %.9g u %.9g v %.9g of %d %d; in double t %.17g +- %g, edge %g of %g, cosine %g\n", who,
-                  hit->t, hit->u, hit->v, (int)hit->instance, (int)hit->primitive, margin.t, margin.t_bound,
-                  margin.edge_distance, margin.edge_bound, margin.cosine);
+    print_message(
+        "  %s: t %.9g u %.9g v %.9g of %d %d; in double t %.17g +- %g, edge %g of %g, cosine %g\n",
+        who, hit->t, hit->u, hit->v, (int)hit->instance, (int)hit->primitive, margin.t,
+        margin.t_bound, margin.edge_distance, margin.edge_bound, margin.cosine);
 }
 
 // Rays of a setting that the budget of the GPU's tests allows.
@@ -137,8 +181,8 @@ static uint32_t count_affordable(const LsContest* contest, uint32_t count)
     return brute_million == 0 || affordable > count ? count : (uint32_t)affordable;
 }
 
-// Chooses the rays for brute force, traces them and puts the answers in their places. Elsewhere the float
-// reference has given the same bits, which are taken for the device's own.
+// Chooses the rays for brute force, traces them and puts the answers in their places. Elsewhere the
+// float reference has given the same bits, which are taken for the device's own.
 static void trace_brute(LsContest* contest, const LsRaySet* set, LsTally* tally)
 {
     uint32_t affordable = count_affordable(contest, set->count);
@@ -154,7 +198,8 @@ static void trace_brute(LsContest* contest, const LsRaySet* set, LsTally* tally)
         bool equal = memcmp(exact, cpu, sizeof *exact) == 0;
         tally->cpu_equal += equal;
         contest->answers[LS_ANSWER_BRUTE][i] = *cpu;
-        if (i < affordable || !equal || !is_same_triangle(exact, &contest->answers[LS_ANSWER_EMBREE][i]))
+        if (i < affordable || !equal ||
+            !is_same_triangle(exact, &contest->answers[LS_ANSWER_EMBREE][i]))
         {
             chosen[count] = i;
             rays[count++] = set->rays[i];
@@ -204,8 +249,8 @@ static void compare_methods(LsContest* contest, const LsRaySet* set, LsTally* ta
     }
 }
 
-// Any hit must agree with the closest hit on whether there is one, and name a triangle that is hit; culling must
-// agree between the methods. On a part of the rays.
+// Any hit must agree with the closest hit on whether there is one, and name a triangle that is hit;
+// culling must agree between the methods. On a part of the rays.
 static void compare_flags(LsContest* contest, const LsRaySet* set, LsTally* tally)
 {
     uint32_t count = count_affordable(contest, set->count) / 4 + 1;
@@ -213,7 +258,8 @@ static void compare_flags(LsContest* contest, const LsRaySet* set, LsTally* tall
     LsHit* any = malloc(count * sizeof *any);
     LsHit* culled = malloc(2 * count * sizeof *culled);
     assert_true(any && culled);
-    ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_EXACT, LS_RAY_FLAG_ANY_HIT, set->rays, NULL, count, any);
+    ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_EXACT, LS_RAY_FLAG_ANY_HIT, set->rays, NULL, count,
+                 any);
     for (uint32_t i = 0; i < count; i++)
     {
         const LsHit* exact = &contest->answers[LS_ANSWER_EXACT][i];
@@ -222,8 +268,8 @@ static void compare_flags(LsContest* contest, const LsRaySet* set, LsTally* tall
         bool fits = (any[i].instance != LS_NONE) == hit && any[i].t == (hit ? 0.0f : -1.0f);
         if (fits && hit)
         {
-            bool known = ls_reference_margin(contest->reference, &set->rays[i], 255, any[i].instance,
-                                             any[i].primitive, &margin);
+            bool known = ls_reference_margin(contest->reference, &set->rays[i], 255,
+                                             any[i].instance, any[i].primitive, &margin);
             fits = known && (margin.inside || margin.edge_distance <= margin.edge_bound);
         }
         tally->flagged++;
@@ -232,14 +278,17 @@ static void compare_flags(LsContest* contest, const LsRaySet* set, LsTally* tall
     static const uint32_t flags[] = {LS_RAY_FLAG_CULL_BACK_FACING, LS_RAY_FLAG_CULL_FRONT_FACING};
     for (uint32_t f = 0; f < 2; f++)
     {
-        ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_EXACT, flags[f], set->rays, NULL, count, culled);
-        ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_BRUTE, flags[f], set->rays, NULL, count, culled + count);
+        ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_EXACT, flags[f], set->rays, NULL, count,
+                     culled);
+        ls_gpu_trace(&gpu, &contest->scene, LS_TRACE_BRUTE, flags[f], set->rays, NULL, count,
+                     culled + count);
         for (uint32_t i = 0; i < count; i++)
         {
             double cosine;
             bool same = memcmp(&culled[i], &culled[count + i], sizeof *culled) == 0;
-            bool fits = same || ls_reference_explain(contest->reference, &set->rays[i], 255, &culled[count + i],
-                                                     &culled[i], &cosine) != LS_EXCEPTION_NONE;
+            bool fits = same || ls_reference_explain(contest->reference, &set->rays[i], 255,
+                                                     &culled[count + i], &culled[i],
+                                                     &cosine) != LS_EXCEPTION_NONE;
             tally->flagged++;
             tally->flagged_wrong += !fits;
         }
@@ -269,11 +318,13 @@ static void judge_answers(LsContest* contest, const LsRaySet* set, LsTally* tall
         const LsHit* exact = &contest->answers[LS_ANSWER_EXACT][i];
         bool embree_differs = !is_same_triangle(exact, &contest->answers[LS_ANSWER_EMBREE][i]);
         tally->embree_differs += embree_differs;
-        tally->embree_differs_ordinary += embree_differs && set->classes[i] < LS_ORDINARY_CLASS_COUNT;
+        tally->embree_differs_ordinary +=
+            embree_differs && set->classes[i] < LS_ORDINARY_CLASS_COUNT;
     }
 }
 
-// ---- Closed meshes ------------------------------------------------------------------------------------
+// ---- Closed meshes
+// ------------------------------------------------------------------------------------
 
 static void copy_vertex(const LsTestMesh* mesh, uint32_t index, double out[3])
 {
@@ -304,9 +355,11 @@ static LsRaySet make_inside_rays(const LsFile* file, const LsTestMesh* mesh, uin
         {
             // Close to the surface, where thin walls have their inside.
             uint32_t corner = 3 * ls_random_below(&random, mesh->triangle_count);
-            double weights[3] = {ls_random_unit(&random), ls_random_unit(&random), ls_random_unit(&random)};
+            double weights[3] = {ls_random_unit(&random), ls_random_unit(&random),
+                                 ls_random_unit(&random)};
             double sum = weights[0] + weights[1] + weights[2];
-            double offset = 5e-5 * ((double)upper[0] - lower[0]) * (ls_random_below(&random, 2) ? 1.0 : -1.0);
+            double offset =
+                5e-5 * ((double)upper[0] - lower[0]) * (ls_random_below(&random, 2) ? 1.0 : -1.0);
             for (uint32_t axis = 0; axis < 3; axis++)
             {
                 double p = offset;
@@ -375,13 +428,15 @@ static void count_lost(LsContest* contest, const LsTestMesh* mesh, uint32_t coun
     ls_ray_set_destroy(&set);
 }
 
-// ---- A mesh ---------------------------------------------------------------------------------------------
+// ---- A mesh
+// ---------------------------------------------------------------------------------------------
 
-static void run_setting(const LsExactCase* exact_case, const LsSetting* setting, const LsTestMesh* mesh, LsTally* tally)
+static void run_setting(const LsExactCase* exact_case, const LsSetting* setting,
+                        const LsTestMesh* mesh, LsTally* tally)
 {
     LsBaked baked;
-    ls_baked_open(&baked, mesh, ls_test_mesh_name(exact_case->mesh), setting->placement, setting->grid,
-                  setting->patches, 0);
+    ls_baked_open(&baked, mesh, ls_test_mesh_name(exact_case->mesh), setting->placement,
+                  setting->grid, setting->patches, 0);
     LsContest contest = {.baked = &baked};
     ls_gpu_scene_open(&gpu, &contest.scene, baked.path);
     contest.reference = ls_reference_create(&baked.file);
@@ -398,7 +453,8 @@ static void run_setting(const LsExactCase* exact_case, const LsSetting* setting,
 
     LsRaySet set = ls_ray_set_make(&baked.file, count, 17 + setting->grid);
     tally->rays += count;
-    ls_gpu_trace(&gpu, &contest.scene, LS_TRACE_EXACT, 0, set.rays, NULL, count, contest.answers[LS_ANSWER_EXACT]);
+    ls_gpu_trace(&gpu, &contest.scene, LS_TRACE_EXACT, 0, set.rays, NULL, count,
+                 contest.answers[LS_ANSWER_EXACT]);
     ls_reference_trace(contest.reference, set.rays, NULL, count, 0, contest.answers[LS_ANSWER_CPU]);
     ls_embree_trace(contest.embree, set.rays, NULL, count, contest.answers[LS_ANSWER_EMBREE]);
     trace_brute(&contest, &set, tally);
@@ -451,9 +507,10 @@ static void add_tally(LsTally* sum, const LsTally* tally)
 
 static void print_heading(void)
 {
-    print_message("%-9s %8s %8s %8s %6s | %5s %5s %5s %6s | %6s %7s %6s | %8s %6s | %6s %6s | %6s %4s\n", "mesh", "rays",
-                  "hits", "brute", "differ", "other", "tmax", "cell", "defect", "edge", "t error", "defect", "cpu bits",
-                  "defect", "embree", "loose", "inside", "lost");
+    print_message(
+        "%-9s %8s %8s %8s %6s | %5s %5s %5s %6s | %6s %7s %6s | %8s %6s | %6s %6s | %6s %4s\n",
+        "mesh", "rays", "hits", "brute", "differ", "other", "tmax", "cell", "defect", "edge",
+        "t error", "defect", "cpu bits", "defect", "embree", "loose", "inside", "lost");
 }
 
 static void print_tally(const char* name, const LsTally* t)
@@ -479,12 +536,14 @@ static void print_tally(const char* name, const LsTally* t)
         t->lost,
     };
     static const int widths[] = {8, 8, 8, 6, 5, 5, 5, 6, 6, 7, 6, 8, 6, 6, 6, 6, 4};
-    static const char* const bars[] = {"", "", "", "", "| ", "", "", "", "| ", "", "", "| ", "", "| ", "", "| ", ""};
+    static const char* const bars[] = {"", "", "",   "", "| ", "", "",   "", "| ",
+                                       "", "", "| ", "", "| ", "", "| ", ""};
     char line[256];
     int length = snprintf(line, sizeof line, "%-9s", name);
     for (uint32_t i = 0; i < sizeof columns / sizeof columns[0]; i++)
     {
-        length += snprintf(line + length, sizeof line - (size_t)length, " %s%*llu", bars[i], widths[i], columns[i]);
+        length += snprintf(line + length, sizeof line - (size_t)length, " %s%*llu", bars[i],
+                           widths[i], columns[i]);
     }
     print_message("%s\n", line);
 }
@@ -515,9 +574,10 @@ static void check_mesh(void** state)
     assert_int_equal(tally.verdicts[LS_ANSWER_BRUTE][LS_VERDICT_DEFECT], 0);
     assert_int_equal(tally.verdicts[LS_ANSWER_CPU][LS_VERDICT_DEFECT], 0);
     assert_int_equal(tally.lost, 0);
-    // Where Embree differs every answer was judged above; that it seldom does on real meshes is what makes it
-    // a second opinion.
-    assert_true(!exact_case->ordinary || tally.embree_differs_ordinary * 1000 < tally.ordinary_rays);
+    // Where Embree differs every answer was judged above; that it seldom does on real meshes is
+    // what makes it a second opinion.
+    assert_true(!exact_case->ordinary ||
+                tally.embree_differs_ordinary * 1000 < tally.ordinary_rays);
 }
 
 static void exceptions_are_rare(void** state)
@@ -525,10 +585,12 @@ static void exceptions_are_rare(void** state)
     (void)state;
     print_heading();
     print_tally("all", &total);
-    print_message("%llu of %llu ordinary rays on ordinary meshes excepted; largest cosine of any exception %.3g; %llu "
+    print_message("%llu of %llu ordinary rays on ordinary meshes excepted; largest cosine of any "
+                  "exception %.3g; %llu "
                   "rays traced with flags\n",
-                  (unsigned long long)ordinary_mesh_exceptions, (unsigned long long)ordinary_mesh_rays,
-                  total.largest_cosine, (unsigned long long)total.flagged);
+                  (unsigned long long)ordinary_mesh_exceptions,
+                  (unsigned long long)ordinary_mesh_rays, total.largest_cosine,
+                  (unsigned long long)total.flagged);
     assert_true(ordinary_mesh_exceptions * 10000 <= ordinary_mesh_rays);
 }
 
@@ -572,8 +634,8 @@ int main(int argc, char** argv)
         const char* name = ls_test_mesh_name(CASES[i].mesh);
         if (!only || strcmp(only, name) == 0)
         {
-            tests[count++] =
-                (struct CMUnitTest){.name = name, .test_func = check_mesh, .initial_state = (void*)&CASES[i]};
+            tests[count++] = (struct CMUnitTest){
+                .name = name, .test_func = check_mesh, .initial_state = (void*)&CASES[i]};
         }
     }
     if (count == 0)

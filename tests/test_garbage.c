@@ -1,5 +1,5 @@
-// test_garbage.c - random words inside valid files, hashes made right again: opening and checking never
-// crash, and what passes can be walked along every index without a look at a count.
+// test_garbage.c - random words inside valid files, hashes made right again: opening and checking
+// never crash, and what passes can be walked along every index without a look at a count.
 
 #include "file_fixture.h"
 
@@ -12,8 +12,8 @@
 
 // ---- Walking ------------------------------------------------------------------------------------
 
-// Reads what a tracer could reach, trusting the file, in every order that it could. The sum keeps the
-// reads from being left out; steps are counted so that a loop without end is a failure.
+// Reads what a tracer could reach, trusting the file, in every order that it could. The sum keeps
+// the reads from being left out; steps are counted so that a loop without end is a failure.
 typedef struct Walk
 {
     const LsFile* file;
@@ -187,7 +187,8 @@ static void walk_file(Walk* walk)
 
 // ---- Garbage ------------------------------------------------------------------------------------
 
-// A word as mistakes and malice make it: an extreme, a neighbour of the old one, one from elsewhere.
+// A word as mistakes and malice make it: an extreme, a neighbour of the old one, one from
+// elsewhere.
 static uint32_t make_word(const LsFixtureBytes* bytes, uint32_t old, uint64_t* state)
 {
     static const uint32_t extremes[] = {0,          1,          15,         16,
@@ -215,7 +216,8 @@ static uint32_t make_word(const LsFixtureBytes* bytes, uint32_t old, uint64_t* s
     }
 }
 
-// The place of a word to change: mostly in a chunk, every chunk as often, now and then in what leads there.
+// The place of a word to change: mostly in a chunk, every chunk as often, now and then in what
+// leads there.
 static uint64_t choose_place(const LsFixtureBytes* legal, uint64_t* state)
 {
     const LsEntry* entries = (const LsEntry*)(const void*)(legal->bytes + LS_HEADER_BYTES);

@@ -1,5 +1,5 @@
-// test_layout.c - C and GLSL see the same bytes: every member of every struct of ls_layout.h lies where
-// reflection of layout.comp.glsl says. Argument: the reflection, as JSON.
+// test_layout.c - C and GLSL see the same bytes: every member of every struct of ls_layout.h lies
+// where reflection of layout.comp.glsl says. Argument: the reflection, as JSON.
 
 #include "file_fixture.h"
 

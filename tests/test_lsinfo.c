@@ -1,4 +1,5 @@
-// test_lsinfo.c - the program as users run it: what it prints and how it ends. Arguments: the program.
+// test_lsinfo.c - the program as users run it: what it prints and how it ends. Arguments: the
+// program.
 
 #define _XOPEN_SOURCE 700
 
@@ -239,7 +240,7 @@ static void test_what_is_left_out(void** state)
     assert_int_equal(ls_file_write(&desc, path, NULL), LS_OK);
     Run run = run_lsinfo(NULL, path, NULL, NULL);
     assert_int_equal(run.code, 0);
-    assert_non_null(strstr(run.out, "  top level: one instance with the identity\n"));
+    assert_non_null(strstr(run.out, "  top level: one object, one instance, the identity\n"));
     assert_non_null(strstr(run.out, "  lights: no emissive triangle\n"));
     assert_non_null(strstr(run.out, "  grids: every object is a list of few triangles\n"));
     run = run_lsinfo(NULL, path, "--json", NULL);

@@ -4,15 +4,16 @@
 #include "ray_sets.h"
 #include "reference/ref_trace.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 // A file in memory, as far as the reference looks at it: one object of kind list, some instances.
 typedef struct LsMemoryScene
@@ -141,7 +142,8 @@ static void flags_and_masks(void** state)
     up.origin.z = -1.0f;
     up.direction.z = 1.0f;
     assert_int_equal(trace_one(&scene, DOWN, 255, LS_RAY_FLAG_CULL_BACK_FACING).primitive, 0);
-    assert_int_equal(trace_one(&scene, DOWN, 255, LS_RAY_FLAG_CULL_FRONT_FACING).primitive, LS_NONE);
+    assert_int_equal(trace_one(&scene, DOWN, 255, LS_RAY_FLAG_CULL_FRONT_FACING).primitive,
+                     LS_NONE);
     assert_int_equal(trace_one(&scene, up, 255, LS_RAY_FLAG_CULL_BACK_FACING).primitive, LS_NONE);
     assert_int_equal(trace_one(&scene, up, 255, LS_RAY_FLAG_CULL_FRONT_FACING).primitive, 0);
     scene.instances[0].mask = 6;
@@ -267,13 +269,14 @@ static void judge_tells_defects(void** state)
     free(scene.triangles);
 }
 
-// On real and unkind meshes: the float tracer keeps the contract with double, and the judge that looks only
-// at triangles near the ray says what the one that looks at all says, of right and of spoilt answers.
+// On real and unkind meshes: the float tracer keeps the contract with double, and the judge that
+// looks only at triangles near the ray says what the one that looks at all says, of right and of
+// spoilt answers.
 static void float_keeps_the_contract(void** state)
 {
     (void)state;
-    static const LsTestMeshId ids[] = {LS_TEST_MESH_TEAPOT, LS_TEST_MESH_SLIVERS, LS_TEST_MESH_SHELL,
-                                       LS_TEST_MESH_MICRO, LS_TEST_MESH_FAR};
+    static const LsTestMeshId ids[] = {LS_TEST_MESH_TEAPOT, LS_TEST_MESH_SLIVERS,
+                                       LS_TEST_MESH_SHELL, LS_TEST_MESH_MICRO, LS_TEST_MESH_FAR};
     for (uint32_t m = 0; m < sizeof ids / sizeof ids[0]; m++)
     {
         LsTestMesh mesh = ls_test_mesh_make(ids[m]);
@@ -302,7 +305,8 @@ static void float_keeps_the_contract(void** state)
             if (i % 5 == 0)
             {
                 const LsRay* ray = &set.rays[i % set.count];
-                assert_int_equal(ls_reference_judge_all(reference, ray, 255, &hits[i]), verdicts[i]);
+                assert_int_equal(ls_reference_judge_all(reference, ray, 255, &hits[i]),
+                                 verdicts[i]);
             }
             if (verdicts[i] == LS_VERDICT_DEFECT && i < set.count)
             {
@@ -315,9 +319,10 @@ static void float_keeps_the_contract(void** state)
                               margin.cosine, margin.inside);
             }
         }
-        print_message("%s: %u of %u rays hit; right %u, edge %u, t error %u, edge-on %u, defect %u\n",
-                      ls_test_mesh_name(ids[m]), hit_count, set.count, counts[0][0], counts[0][1],
-                      counts[0][2], counts[0][3], counts[0][4]);
+        print_message(
+            "%s: %u of %u rays hit; right %u, edge %u, t error %u, edge-on %u, defect %u\n",
+            ls_test_mesh_name(ids[m]), hit_count, set.count, counts[0][0], counts[0][1],
+            counts[0][2], counts[0][3], counts[0][4]);
         assert_int_equal(counts[0][LS_VERDICT_DEFECT], 0);
         assert_true(counts[1][LS_VERDICT_DEFECT] > set.count / 10);
         assert_true(hit_count > set.count / 5);
@@ -341,7 +346,8 @@ static void meshes_are_what_they_claim(void** state)
             assert_true(mesh.indices[i] < mesh.vertex_count);
         }
         bool closed = ls_test_mesh_is_closed(&mesh);
-        bool expected = id == LS_TEST_MESH_BUNNY || id == LS_TEST_MESH_ELEPHANT || id == LS_TEST_MESH_SHELL;
+        bool expected =
+            id == LS_TEST_MESH_BUNNY || id == LS_TEST_MESH_ELEPHANT || id == LS_TEST_MESH_SHELL;
         assert_int_equal(closed, expected);
         ls_test_mesh_destroy(&mesh);
     }

@@ -1,5 +1,5 @@
-// test_roundtrip.c - what is written is read, and written again it has equal bytes (SPEC 2.6); every
-// field of every chunk survives at its limits.
+// test_roundtrip.c - what is written is read, and written again it has equal bytes (SPEC 2.6);
+// every field of every chunk survives at its limits.
 
 #include "file_fixture.h"
 
@@ -109,7 +109,8 @@ static void test_each_chunk_absent(void** state)
     }
 }
 
-// Every byte of every record takes all kinds of values; reading and writing do not mind what they mean.
+// Every byte of every record takes all kinds of values; reading and writing do not mind what they
+// mean.
 static void test_any_bytes_survive(void** state)
 {
     (void)state;

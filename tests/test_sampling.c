@@ -6,11 +6,16 @@
 #include "sampling_probe_spv.h"
 #include "test_random.h"
 
-#include <cmocka.h>
-#include <math.h>
+// cmocka.h needs what stands before it.
+// clang-format off
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <vulkan/vulkan.h>
@@ -21,7 +26,8 @@
 static LsProbeInput* inputs;
 static LsProbeOutput* outputs;
 
-// Corners from 1e-9 to 1e6 in size, up to a thousand sizes from the origin, turned, stretched, mirrored.
+// Corners from 1e-9 to 1e6 in size, up to a thousand sizes from the origin, turned, stretched,
+// mirrored.
 static void fill_inputs(void)
 {
     LsRandom random = {7};
@@ -185,7 +191,8 @@ static void test_cos_sin_equal(void** state)
     assert_true(worst < 0x1.8p-24);
 }
 
-// All multiples of 2^-24 that a random number can be would take a while; the ends and the quarter turns must hold.
+// All multiples of 2^-24 that a random number can be would take a while; the ends and the quarter
+// turns must hold.
 static void test_cos_sin_at_quarters(void** state)
 {
     (void)state;
@@ -222,7 +229,8 @@ static void test_hemisphere(void** state)
     assert_true(worst < 1e-6);
 }
 
-// The mean of z^2 under cos / pi is 1/2, that of the disk's x, y is 0, x^2 + y^2 is uniform: five sigma of the means.
+// The mean of z^2 under cos / pi is 1/2, that of the disk's x, y is 0, x^2 + y^2 is uniform: five
+// sigma of the means.
 static void test_hemisphere_moments(void** state)
 {
     (void)state;
@@ -263,7 +271,8 @@ static void test_triangle_weights(void** state)
     assert_true(fabs(sum[1] / count - 1.0 / 3.0) < 5.0 * sqrt(1.0 / 18.0) / sqrt(count));
 }
 
-// The point lies off the exact triangle, along its exact normal, by less than half the distance kept from it.
+// The point lies off the exact triangle, along its exact normal, by less than half the distance
+// kept from it.
 static void test_surface(void** state)
 {
     (void)state;

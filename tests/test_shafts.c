@@ -4,16 +4,17 @@
 #include "reference/polytope.h"
 #include "test_random.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 // Cases of one setting: triangles against every shaft, or against `shaft_sample` of them.
 typedef struct LsShaftRun
@@ -29,7 +30,8 @@ typedef struct LsShaftTally
     uint64_t cases, oracle_yes, separable_yes, wrong_no;
 } LsShaftTally;
 
-typedef void LsTriangleMaker(LsRandom* random, uint32_t patches, double bound, double corners[3][3]);
+typedef void LsTriangleMaker(LsRandom* random, uint32_t patches, double bound,
+                             double corners[3][3]);
 
 // Anywhere in and around the voxel.
 static void make_random(LsRandom* random, uint32_t patches, double bound, double corners[3][3])
@@ -88,7 +90,8 @@ static void make_needle(LsRandom* random, uint32_t patches, double bound, double
     }
 }
 
-// A coordinate that something happens at: a patch border, as it is, grown by the bound, or beside it.
+// A coordinate that something happens at: a patch border, as it is, grown by the bound, or beside
+// it.
 static double pick_border(LsRandom* random, uint32_t patches, double bound)
 {
     double border = (double)ls_random_below(random, patches + 1) / patches;
@@ -96,8 +99,8 @@ static double pick_border(LsRandom* random, uint32_t patches, double bound)
     return border + bound * offsets[ls_random_below(random, 6)];
 }
 
-// Corners on the lattice of patch borders: triangles in the planes of faces, through patch corners, along
-// edges, touching grown patches from outside, sometimes shrunk to a line's breadth.
+// Corners on the lattice of patch borders: triangles in the planes of faces, through patch corners,
+// along edges, touching grown patches from outside, sometimes shrunk to a line's breadth.
 static void make_adversarial(LsRandom* random, uint32_t patches, double bound, double corners[3][3])
 {
     uint32_t kind = ls_random_below(random, 4);
@@ -134,7 +137,8 @@ static void make_adversarial(LsRandom* random, uint32_t patches, double bound, d
     }
 }
 
-static void run_maker(const LsShaftRun* run, LsTriangleMaker* make, uint64_t seed, LsShaftTally* tally)
+static void run_maker(const LsShaftRun* run, LsTriangleMaker* make, uint64_t seed,
+                      LsShaftTally* tally)
 {
     LsRandom random = {seed};
     uint32_t shaft_count = LS_SHAFT_COUNT(run->patches);
@@ -261,8 +265,9 @@ static void surplus_is_small(void** state)
     }
 }
 
-// Every pair of patches on two different faces has one shaft, and a thin triangle that crosses exactly that
-// pair's middle line marks it: the numbering of the test and of the bake agree with the specification.
+// Every pair of patches on two different faces has one shaft, and a thin triangle that crosses
+// exactly that pair's middle line marks it: the numbering of the test and of the bake agree with
+// the specification.
 static void numbering_is_a_bijection(void** state)
 {
     (void)state;
@@ -355,9 +360,12 @@ static void oracle_agrees_with_sampling(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(oracle_agrees_with_sampling), cmocka_unit_test(numbering_is_a_bijection),
-        cmocka_unit_test(random_triangles),            cmocka_unit_test(mesh_like_triangles),
-        cmocka_unit_test(needle_triangles),            cmocka_unit_test(adversarial_triangles),
+        cmocka_unit_test(oracle_agrees_with_sampling),
+        cmocka_unit_test(numbering_is_a_bijection),
+        cmocka_unit_test(random_triangles),
+        cmocka_unit_test(mesh_like_triangles),
+        cmocka_unit_test(needle_triangles),
+        cmocka_unit_test(adversarial_triangles),
         cmocka_unit_test(surplus_is_small),
     };
     return cmocka_run_group_tests_name("shafts", tests, NULL, NULL);

@@ -1,4 +1,5 @@
-// test_view.c - the path tracer against its reference and against closed forms, its average, and lsview itself.
+// test_view.c - the path tracer against its reference and against closed forms, its average, and
+// lsview itself.
 
 #include "box_scene.h"
 #include "gpu.h"
@@ -6,14 +7,19 @@
 #include "reference/ref_path.h"
 #include "render.h"
 
-#include <cmocka.h>
-#include <fcntl.h>
-#include <math.h>
+// cmocka.h needs what stands before it.
+// clang-format off
 #include <setjmp.h>
-#include <spawn.h>
-#include <stb_image.h>
 #include <stdarg.h>
 #include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+
+#include <fcntl.h>
+#include <math.h>
+#include <spawn.h>
+#include <stb_image.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -245,7 +251,8 @@ static void test_reference_scales(void** state)
     compare_box(LS_BOX_INSTANCES, 1e6f, 4, 5, "instances at 1e6");
 }
 
-// Scaled by a power of two nothing rounds differently, so if no absolute length hides anywhere, no bit changes.
+// Scaled by a power of two nothing rounds differently, so if no absolute length hides anywhere, no
+// bit changes.
 static void test_scale_bits(void** state)
 {
     (void)state;
@@ -266,7 +273,8 @@ static void test_scale_bits(void** state)
     }
 }
 
-// Mean of all values of a picture and the standard error of that mean; pixels are independent, and channels are equal.
+// Mean of all values of a picture and the standard error of that mean; pixels are independent, and
+// channels are equal.
 static double average_picture(const float* rgba, uint32_t count, double* deviation)
 {
     double sum = 0.0;
@@ -297,8 +305,8 @@ static void check_mean(LsBoxScene scene, float scale, uint32_t sample_count, uin
     close_view(&view);
 }
 
-// In a closed room whose walls emit 1 and reflect half, each further segment adds half of what the one before
-// added. A ray that slips out between walls or starts behind one would find black.
+// In a closed room whose walls emit 1 and reflect half, each further segment adds half of what the
+// one before added. A ray that slips out between walls or starts behind one would find black.
 static void test_furnace(void** state)
 {
     (void)state;
@@ -311,7 +319,8 @@ static void test_furnace(void** state)
     check_mean(LS_BOX_FURNACE, 1.0f, 8, 40, 2.0);
 }
 
-// Light from a rectangle straight above: the form factor of a parallel rectangle, four corners of it.
+// Light from a rectangle straight above: the form factor of a parallel rectangle, four corners of
+// it.
 static void test_rectangle_light(void** state)
 {
     (void)state;
@@ -321,8 +330,8 @@ static void test_rectangle_light(void** state)
     double sb = sqrt(1.0 + b * b);
     double factor = 4.0 / (2.0 * PI) * (a / sa * atan(b / sa) + b / sb * atan(a / sb));
     check_mean(LS_BOX_RECTANGLE, 1.0f, 64, 2, factor);
-    check_mean(LS_BOX_RECTANGLE, 1e-6f, 64, 2, factor);
-    check_mean(LS_BOX_RECTANGLE, 1e6f, 64, 2, factor);
+    check_mean(LS_BOX_RECTANGLE, 1e-6f, 16, 2, factor);
+    check_mean(LS_BOX_RECTANGLE, 1e6f, 16, 2, factor);
 }
 
 static void test_average_constant(void** state)
@@ -438,7 +447,8 @@ static void test_reset(void** state)
     close_view(&view);
 }
 
-// Runs lsview with `arguments` (NULL-terminated, without the program's name), output to FOLDER "log"; returns its exit code.
+// Runs lsview with `arguments` (NULL-terminated, without the program's name), output to FOLDER
+// "log"; returns its exit code.
 static int run_lsview(const char* const* arguments)
 {
     char* argv[20] = {"lsview"};

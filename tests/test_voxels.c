@@ -1,19 +1,21 @@
-// Baked files against slow oracles: every triangle is listed wherever it can be met, no distance skips a filled
-// cell, no mask lacks a bit, boxes hold what they must, and bytes do not depend on the number of threads.
+// Baked files against slow oracles: every triangle is listed wherever it can be met, no distance
+// skips a filled cell, no mask lacks a bit, boxes hold what they must, and bytes do not depend on
+// the number of threads.
 
 #include "baked.h"
 #include "reference/polytope.h"
 #include "test_random.h"
 
-// cmocka wants these first.
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
-
-#include <cmocka.h>
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+// clang-format off: cmocka wants the headers above before it
+#include <cmocka.h>
+// clang-format on
 
 // Meshes and settings, few but of every kind of voxel.
 typedef struct LsVoxelCase
@@ -31,7 +33,8 @@ static const LsVoxelCase CASES[] = {
 };
 #define CASE_COUNT (sizeof CASES / sizeof CASES[0])
 
-// ---- A file's grid as the specification reads it ----------------------------------------------------
+// ---- A file's grid as the specification reads it
+// ----------------------------------------------------
 
 // Where a filled voxel lies, in cells of the grid.
 typedef struct LsVoxelPlace
@@ -89,7 +92,8 @@ static uint32_t voxel_kind(const LsVoxel* voxel)
 }
 
 // Notes where the voxels of a block lie, down into sub-grids.
-static void place_voxels(LsGridView* view, const LsCellBlock* block, const double lower[3], double width)
+static void place_voxels(LsGridView* view, const LsCellBlock* block, const double lower[3],
+                         double width)
 {
     for (uint32_t i = 0; i < LS_BLOCK_CELLS; i++)
     {
@@ -126,7 +130,8 @@ static LsGridView view_grid(const LsFile* file, const LsObject* object)
         uint32_t word = file->blocks[object->first_block + i];
         if (is_link(word))
         {
-            double lower[3] = {4.0 * (i % view.blocks[0]), 4.0 * (i / view.blocks[0] % view.blocks[1]),
+            double lower[3] = {4.0 * (i % view.blocks[0]),
+                               4.0 * (i / view.blocks[0] % view.blocks[1]),
                                4.0 * (i / view.blocks[0] / view.blocks[1])};
             place_voxels(&view, cell_block_at(&view, word >> 4), lower, 1.0);
         }
@@ -178,7 +183,8 @@ static bool lists_triangle(const LsGridView* view, const LsVoxel* voxel, uint32_
     return false;
 }
 
-// ---- Lists ------------------------------------------------------------------------------------------
+// ---- Lists
+// ------------------------------------------------------------------------------------------
 
 typedef struct LsListTally
 {
@@ -186,8 +192,8 @@ typedef struct LsListTally
 } LsListTally;
 
 // Looks for the triangle in a cell and, where that is a sub-grid, in its cells.
-static void check_cell(const LsGridView* view, uint32_t triangle, const double corners[3][3], uint32_t word,
-                       const double lower[3], double width, LsListTally* tally)
+static void check_cell(const LsGridView* view, uint32_t triangle, const double corners[3][3],
+                       uint32_t word, const double lower[3], double width, LsListTally* tally)
 {
     LsPolytope box = box_at(lower, width, view->object->bound);
     if (!ls_polytope_meets(&box, corners))
@@ -251,7 +257,8 @@ static LsListTally check_lists(const LsGridView* view)
     return tally;
 }
 
-// ---- Distances --------------------------------------------------------------------------------------
+// ---- Distances
+// --------------------------------------------------------------------------------------
 
 // Filled cells of a box of cells, answered by a table of sums over all boxes from the corner on.
 typedef struct LsFillTable
@@ -291,10 +298,11 @@ static void sum_fill_table(LsFillTable* table)
     }
 }
 
-// Whether the cube of k^3 cells that grows from a cell into an octant holds no filled one.
-static bool is_cube_empty(const LsFillTable* table, const uint32_t cell[3], uint32_t octant, uint32_t k)
+// The part of a table that the cube of k^3 cells covers which grows from a cell into an octant: [a,
+// b).
+static void clamp_cube(const LsFillTable* table, const uint32_t cell[3], uint32_t octant,
+                       uint32_t k, uint32_t a[3], uint32_t b[3])
 {
-    uint32_t a[3], b[3];
     for (uint32_t axis = 0; axis < 3; axis++)
     {
         bool down = octant >> axis & 1u;
@@ -302,6 +310,13 @@ static bool is_cube_empty(const LsFillTable* table, const uint32_t cell[3], uint
         b[axis] = down ? cell[axis] + 1 : cell[axis] + k;
         b[axis] = b[axis] < table->size[axis] ? b[axis] : table->size[axis];
     }
+}
+
+static bool is_cube_empty(const LsFillTable* table, const uint32_t cell[3], uint32_t octant,
+                          uint32_t k)
+{
+    uint32_t a[3], b[3];
+    clamp_cube(table, cell, octant, k, a, b);
     uint32_t inside = *fill_sum(table, b[0], b[1], b[2]) - *fill_sum(table, a[0], b[1], b[2]) -
                       *fill_sum(table, b[0], a[1], b[2]) - *fill_sum(table, b[0], b[1], a[2]) +
                       *fill_sum(table, a[0], a[1], b[2]) + *fill_sum(table, a[0], b[1], a[2]) +
@@ -309,12 +324,24 @@ static bool is_cube_empty(const LsFillTable* table, const uint32_t cell[3], uint
     return inside == 0;
 }
 
+// Whether a cube one wider would be empty too and reach cells that this one does not.
+static bool is_cube_short(const LsFillTable* table, const uint32_t cell[3], uint32_t octant,
+                          uint32_t k)
+{
+    uint32_t a[3], b[3], wide_a[3], wide_b[3];
+    clamp_cube(table, cell, octant, k, a, b);
+    clamp_cube(table, cell, octant, k + 1, wide_a, wide_b);
+    bool reaches = memcmp(a, wide_a, sizeof a) != 0 || memcmp(b, wide_b, sizeof b) != 0;
+    return reaches && is_cube_empty(table, cell, octant, k + 1);
+}
+
 typedef struct LsDistanceTally
 {
     uint64_t distances, too_long, too_short;
 } LsDistanceTally;
 
-static void check_word(const LsFillTable* table, const uint32_t cell[3], uint32_t word, LsDistanceTally* tally)
+static void check_word(const LsFillTable* table, const uint32_t cell[3], uint32_t word,
+                       LsDistanceTally* tally)
 {
     for (uint32_t octant = 0; octant < 8; octant++)
     {
@@ -322,7 +349,7 @@ static void check_word(const LsFillTable* table, const uint32_t cell[3], uint32_
         assert_true(k >= 1);
         tally->distances++;
         tally->too_long += !is_cube_empty(table, cell, octant, k);
-        tally->too_short += k < 15 && is_cube_empty(table, cell, octant, k + 1);
+        tally->too_short += k < 15 && is_cube_short(table, cell, octant, k);
     }
 }
 
@@ -407,7 +434,8 @@ static LsDistanceTally check_distances(const LsGridView* view)
     return tally;
 }
 
-// ---- Masks ------------------------------------------------------------------------------------------
+// ---- Masks
+// ------------------------------------------------------------------------------------------
 
 typedef struct LsMaskTally
 {
@@ -419,7 +447,8 @@ static bool read_bit(const uint32_t* table, uint64_t bit)
     return table[bit / 32] >> (bit % 32) & 1u;
 }
 
-static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples, uint32_t shaft_samples)
+static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples,
+                               uint32_t shaft_samples)
 {
     LsMaskTally tally = {0};
     LsRandom random = {4711};
@@ -449,7 +478,8 @@ static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples, u
                 grid_corners(view, references[k], corners);
                 for (uint32_t i = 0; i < 9; i++)
                 {
-                    corners[i / 3][i % 3] = (corners[i / 3][i % 3] - place->lower[i % 3]) / place->width;
+                    corners[i / 3][i % 3] =
+                        (corners[i / 3][i % 3] - place->lower[i % 3]) / place->width;
                 }
                 bool meets = ls_polytope_meets(&body, corners);
                 bool marked = read_bit(table, (uint64_t)shaft * width + k);
@@ -463,7 +493,8 @@ static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples, u
     return tally;
 }
 
-// ---- Boxes ------------------------------------------------------------------------------------------
+// ---- Boxes
+// ------------------------------------------------------------------------------------------
 
 static double component(LsVec3 v, uint32_t axis)
 {
@@ -474,7 +505,8 @@ static bool holds_point(const LsBvhNode* node, const double p[3], double grown)
 {
     for (uint32_t axis = 0; axis < 3; axis++)
     {
-        if (!(component(node->lower, axis) <= p[axis] - grown && component(node->upper, axis) >= p[axis] + grown))
+        if (!(component(node->lower, axis) <= p[axis] - grown &&
+              component(node->upper, axis) >= p[axis] + grown))
         {
             return false;
         }
@@ -489,7 +521,8 @@ static bool holds_node(const LsBvhNode* node, const LsBvhNode* inner)
     return holds_point(node, lower, 0.0) && holds_point(node, upper, 0.0);
 }
 
-// Leaves of voxels hold their triangles' part of the grown voxel, grown by two bounds; nodes hold their children.
+// Leaves of voxels hold their triangles' part of the grown voxel, grown by two bounds; nodes hold
+// their children.
 static uint64_t check_leaf_boxes(const LsGridView* view)
 {
     const LsObject* object = view->object;
@@ -504,7 +537,8 @@ static uint64_t check_leaf_boxes(const LsGridView* view)
         const LsBvhNode* nodes = view->file->leaf_nodes + object->first_leaf_node + voxel->table;
         const uint32_t* references =
             view->file->references + object->first_reference + voxel->first_reference;
-        LsPolytope box = box_at(view->places[index].lower, view->places[index].width, object->bound);
+        LsPolytope box =
+            box_at(view->places[index].lower, view->places[index].width, object->bound);
         for (uint32_t n = 0; n < nodes[0].escape; n++)
         {
             for (uint32_t inner = n + 1; inner < nodes[n].escape; inner++)
@@ -518,7 +552,8 @@ static uint64_t check_leaf_boxes(const LsGridView* view)
                 uint32_t count = ls_polytope_clip(&box, corners, part);
                 for (uint32_t i = 0; i < count; i++)
                 {
-                    assert_true(holds_point(&nodes[n], part[i], 2.0 * object->bound - LS_POLYTOPE_SLACK));
+                    assert_true(
+                        holds_point(&nodes[n], part[i], 2.0 * object->bound - LS_POLYTOPE_SLACK));
                     checked++;
                 }
             }
@@ -527,7 +562,8 @@ static uint64_t check_leaf_boxes(const LsGridView* view)
     return checked;
 }
 
-// ---- Tests ------------------------------------------------------------------------------------------
+// ---- Tests
+// ------------------------------------------------------------------------------------------
 
 static void files_against_oracles(void** state)
 {
@@ -559,15 +595,16 @@ static void files_against_oracles(void** state)
             {
                 kinds[kind] += baked.report.voxel_kind_count[kind];
             }
-            print_message("%s %ux%ux%u depth %u: %llu references met, %llu missing; %llu distances, %llu too "
-                          "long, %.2f %% shorter than need be; %llu mask bits looked at, %llu met, %llu set, "
-                          "%llu missing\n",
-                          name, object->cells[0], object->cells[1], object->cells[2], object->depth,
-                          (unsigned long long)lists.met, (unsigned long long)lists.missing,
-                          (unsigned long long)distances.distances, (unsigned long long)distances.too_long,
-                          100.0 * (double)distances.too_short / (double)(distances.distances + 1),
-                          (unsigned long long)masks.cases, (unsigned long long)masks.met,
-                          (unsigned long long)masks.marked, (unsigned long long)masks.missing);
+            print_message(
+                "%s %ux%ux%u depth %u: %llu references met, %llu missing; %llu distances, %llu too "
+                "long, %.2f %% shorter than need be; %llu mask bits looked at, %llu met, %llu set, "
+                "%llu missing\n",
+                name, object->cells[0], object->cells[1], object->cells[2], object->depth,
+                (unsigned long long)lists.met, (unsigned long long)lists.missing,
+                (unsigned long long)distances.distances, (unsigned long long)distances.too_long,
+                100.0 * (double)distances.too_short / (double)(distances.distances + 1),
+                (unsigned long long)masks.cases, (unsigned long long)masks.met,
+                (unsigned long long)masks.marked, (unsigned long long)masks.missing);
             assert_true(lists.met >= object->triangle_count);
             assert_int_equal(lists.missing, 0);
             assert_int_equal(distances.too_long, 0);
@@ -586,7 +623,8 @@ static void files_against_oracles(void** state)
     assert_true(masks_met > 10000);
 }
 
-// Corners carried to the world by the exact inverse of the normative transform lie in their instance's leaf.
+// Corners carried to the world by the exact inverse of the normative transform lie in their
+// instance's leaf.
 static void top_level_boxes(void** state)
 {
     (void)state;
@@ -615,9 +653,10 @@ static void top_level_boxes(void** state)
             leaves++;
             const LsInstance* instance = &file->instances[file->top_nodes[n].leaf >> 4];
             const LsVec4* r = instance->object_from_world;
-            double determinant = (double)r[0].x * ((double)r[1].y * r[2].z - (double)r[1].z * r[2].y) -
-                                 (double)r[0].y * ((double)r[1].x * r[2].z - (double)r[1].z * r[2].x) +
-                                 (double)r[0].z * ((double)r[1].x * r[2].y - (double)r[1].y * r[2].x);
+            double determinant =
+                (double)r[0].x * ((double)r[1].y * r[2].z - (double)r[1].z * r[2].y) -
+                (double)r[0].y * ((double)r[1].x * r[2].z - (double)r[1].z * r[2].x) +
+                (double)r[0].z * ((double)r[1].x * r[2].y - (double)r[1].y * r[2].x);
             assert_int_equal(determinant < 0.0, (instance->flags & LS_INSTANCE_MIRRORED) != 0);
             mirrored += determinant < 0.0;
             const double rows[3][3] = {
@@ -655,8 +694,8 @@ static void top_level_boxes(void** state)
 static void same_bytes_for_any_threads(void** state)
 {
     (void)state;
-    static const LsTestMeshId ids[] = {LS_TEST_MESH_ELEPHANT, LS_TEST_MESH_HUB, LS_TEST_MESH_STADIUM,
-                                       LS_TEST_MESH_SLIVERS};
+    static const LsTestMeshId ids[] = {LS_TEST_MESH_ELEPHANT, LS_TEST_MESH_HUB,
+                                       LS_TEST_MESH_STADIUM, LS_TEST_MESH_SLIVERS};
     static const uint32_t threads[] = {1, 2, 8};
     for (uint32_t m = 0; m < 4; m++)
     {
@@ -667,13 +706,14 @@ static void same_bytes_for_any_threads(void** state)
             for (uint32_t i = 0; i < 3; i++)
             {
                 // A copy of its own for each, since the name holds the count of threads.
-                ls_baked_open(&baked[i], &mesh, ls_test_mesh_name(ids[m]), (LsTestPlacement)placement, 0, 0,
-                              threads[i]);
+                ls_baked_open(&baked[i], &mesh, ls_test_mesh_name(ids[m]),
+                              (LsTestPlacement)placement, 0, 0, threads[i]);
             }
             for (uint32_t i = 1; i < 3; i++)
             {
                 assert_int_equal(baked[i].mapping.size, baked[0].mapping.size);
-                assert_memory_equal(baked[i].mapping.bytes, baked[0].mapping.bytes, baked[0].mapping.size);
+                assert_memory_equal(baked[i].mapping.bytes, baked[0].mapping.bytes,
+                                    baked[0].mapping.size);
             }
             for (uint32_t i = 0; i < 3; i++)
             {

@@ -1,5 +1,5 @@
-// test_write.c - writing files when it cannot be done: whatever fails, the old file stays as it was and
-// nothing is left beside it.
+// test_write.c - writing files when it cannot be done: whatever fails, the old file stays as it was
+// and nothing is left beside it.
 
 #define _XOPEN_SOURCE 700 // symlink
 
@@ -188,7 +188,8 @@ static void expect_new(const Target* target, Write* write)
 
 // ---- Tests --------------------------------------------------------------------------------------
 
-// Each call that the writer makes fails once, the first, then the second, until none is left to fail.
+// Each call that the writer makes fails once, the first, then the second, until none is left to
+// fail.
 static void test_every_call_fails(void** state)
 {
     (void)state;

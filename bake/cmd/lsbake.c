@@ -15,7 +15,8 @@ static const char HELP[] =
     "\n"
     "usage: lsbake SCENE... -o OUT.lspace [options]\n"
     "\n"
-    "SCENE is a .gltf, .glb, .obj or .ply file; several are put together as they lie, their objects\n"
+    "SCENE is a .gltf, .glb, .obj or .ply file; several are put together as they lie, their "
+    "objects\n"
     "numbered in order.\n"
     "\n"
     "  -o, --output FILE   where to write (required)\n"
@@ -40,29 +41,33 @@ typedef struct Arguments
     bool done; // --help or --version was answered
 } Arguments;
 
-static LsResult parse_number(const char* option, const char* text, uint32_t smallest, uint32_t largest, uint32_t* out,
-                             LsError* error)
+static LsResult parse_number(const char* option, const char* text, uint32_t smallest,
+                             uint32_t largest, uint32_t* out, LsError* error)
 {
     char* end = NULL;
     errno = 0;
-    unsigned long value = text != NULL && text[0] >= '0' && text[0] <= '9' ? strtoul(text, &end, 10) : 0;
+    unsigned long value =
+        text != NULL && text[0] >= '0' && text[0] <= '9' ? strtoul(text, &end, 10) : 0;
     if (end == NULL || *end != '\0' || errno != 0 || value < smallest || value > largest)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "%s takes a whole number from %u to %u, not '%s'", option, smallest,
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "%s takes a whole number from %u to %u, not '%s'", option, smallest,
                             largest, text != NULL ? text : "");
     }
     *out = (uint32_t)value;
     return LS_OK;
 }
 
-static LsResult parse_option(Arguments* arguments, const char* option, const char* value, LsError* error)
+static LsResult parse_option(Arguments* arguments, const char* option, const char* value,
+                             LsError* error)
 {
     LsBakeDesc* desc = &arguments->desc;
     if (strcmp(option, "-o") == 0 || strcmp(option, "--output") == 0)
     {
         desc->output = value;
-        return value != NULL && value[0] != '\0' ? LS_OK
-                                                 : ls_error_set(error, LS_ERROR_ARGUMENT, "%s takes a file name", option);
+        return value != NULL && value[0] != '\0'
+                   ? LS_OK
+                   : ls_error_set(error, LS_ERROR_ARGUMENT, "%s takes a file name", option);
     }
     if (strcmp(option, "--grid") == 0)
     {
@@ -77,12 +82,14 @@ static LsResult parse_option(Arguments* arguments, const char* option, const cha
         return parse_number(option, value, 1, 1024, &desc->threads, error);
     }
     arguments->json = value != NULL && strcmp(value, "json") == 0;
-    return arguments->json ? LS_OK : ls_error_set(error, LS_ERROR_ARGUMENT, "--report takes 'json'");
+    return arguments->json ? LS_OK
+                           : ls_error_set(error, LS_ERROR_ARGUMENT, "--report takes 'json'");
 }
 
 static bool takes_value(const char* option)
 {
-    static const char* const options[] = {"-o", "--output", "--grid", "--patches", "--threads", "--report"};
+    static const char* const options[] = {"-o",        "--output",  "--grid",
+                                          "--patches", "--threads", "--report"};
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
     {
         if (strcmp(option, options[i]) == 0)
@@ -94,7 +101,8 @@ static bool takes_value(const char* option)
 }
 
 // Inputs are gathered into `inputs`, which has room for all arguments.
-static LsResult parse_arguments(Arguments* arguments, const char** inputs, int argc, char** argv, LsError* error)
+static LsResult parse_arguments(Arguments* arguments, const char** inputs, int argc, char** argv,
+                                LsError* error)
 {
     bool options_end = false;
     for (int i = 1; i < argc; i++)
@@ -139,7 +147,8 @@ static LsResult parse_arguments(Arguments* arguments, const char** inputs, int a
         }
         else
         {
-            return ls_error_set(error, LS_ERROR_ARGUMENT, "unknown option '%s'; lsbake --help lists all", word);
+            return ls_error_set(error, LS_ERROR_ARGUMENT,
+                                "unknown option '%s'; lsbake --help lists all", word);
         }
     }
     arguments->desc.inputs = inputs;
@@ -149,7 +158,8 @@ static LsResult parse_arguments(Arguments* arguments, const char** inputs, int a
     }
     if (arguments->desc.output == NULL)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "no output given; name it with -o OUT.lspace");
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "no output given; name it with -o OUT.lspace");
     }
     return LS_OK;
 }
@@ -164,7 +174,8 @@ static void draw_progress(void* user, const char* stage, double fraction)
         return;
     }
     *last = now;
-    fprintf(stderr, "\r%-10s [%-30.*s] %3d %%", stage, now, "##############################", (int)(fraction * 100.0));
+    fprintf(stderr, "\r%-10s [%-30.*s] %3d %%", stage, now, "##############################",
+            (int)(fraction * 100.0));
     if (fraction >= 1.0)
     {
         fputs("\r\033[K", stderr);
@@ -189,16 +200,19 @@ static void print_text(const LsBakeReport* report, const char* output)
         printf("%s is up to date (%.1f MB)\n", output, (double)report->file_bytes * 1e-6);
         return;
     }
-    printf("%s: %.1f MB, baked in %.2f s\n", output, (double)report->file_bytes * 1e-6, total_seconds(report));
-    printf("  objects %u (%llu as lists), instances %u, lights %u, cameras %u\n", report->object_count,
-           (unsigned long long)report->list_object_count, report->instance_count, report->light_count,
-           report->camera_count);
-    printf("  triangles %llu of %llu", (unsigned long long)report->triangle_count, (unsigned long long)report->face_count);
+    printf("%s: %.1f MB, baked in %.2f s\n", output, (double)report->file_bytes * 1e-6,
+           total_seconds(report));
+    printf("  objects %u (%llu as lists), instances %u, lights %u, cameras %u\n",
+           report->object_count, (unsigned long long)report->list_object_count,
+           report->instance_count, report->light_count, report->camera_count);
+    printf("  triangles %llu of %llu", (unsigned long long)report->triangle_count,
+           (unsigned long long)report->face_count);
     if (report->degenerate_count > 0)
     {
         printf(" (%llu dropped: they have no area)", (unsigned long long)report->degenerate_count);
     }
-    printf("\n  voxels %llu in %llu cells: %llu lists, %llu with masks, %llu divided (depth %u), %llu BVHs\n",
+    printf("\n  voxels %llu in %llu cells: %llu lists, %llu with masks, %llu divided (depth %u), "
+           "%llu BVHs\n",
            (unsigned long long)report->voxel_count, (unsigned long long)report->cell_count,
            (unsigned long long)report->voxel_kind_count[LS_VOXEL_LIST],
            (unsigned long long)report->voxel_kind_count[LS_VOXEL_MASKS],
@@ -209,8 +223,8 @@ static void print_text(const LsBakeReport* report, const char* output)
         printf("  shafts %llu, %.1f %% filled\n", (unsigned long long)report->shaft_count,
                100.0 * (double)report->filled_shaft_count / (double)report->shaft_count);
     }
-    printf("  largest condition number of a transform %.3g, peak memory %.0f MB\n ", report->max_condition,
-           (double)report->peak_memory_bytes * 1e-6);
+    printf("  largest condition number of a transform %.3g, peak memory %.0f MB\n ",
+           report->max_condition, (double)report->peak_memory_bytes * 1e-6);
     for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
     {
         printf(" %s %.2f s%s", ls_bake_stage_text((LsBakeStage)i), report->stage_seconds[i],
@@ -263,12 +277,14 @@ static void print_json(const LsBakeReport* report, const char* output)
         cJSON* stages = cJSON_AddObjectToObject(root, "stage_seconds");
         for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
         {
-            cJSON_AddNumberToObject(stages, ls_bake_stage_text((LsBakeStage)i), report->stage_seconds[i]);
+            cJSON_AddNumberToObject(stages, ls_bake_stage_text((LsBakeStage)i),
+                                    report->stage_seconds[i]);
         }
         cJSON* chunks = cJSON_AddObjectToObject(root, "chunk_bytes");
         for (int i = 0; i < LS_CHUNK_COUNT; i++)
         {
-            cJSON_AddNumberToObject(chunks, ls_chunk_info((LsChunk)i).name, (double)report->chunk_bytes[i]);
+            cJSON_AddNumberToObject(chunks, ls_chunk_info((LsChunk)i).name,
+                                    (double)report->chunk_bytes[i]);
         }
     }
     char* text = cJSON_Print(root);

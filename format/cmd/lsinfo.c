@@ -127,7 +127,7 @@ static const char* explain_absence(const LsFile* file, LsChunk chunk)
     switch (chunk)
     {
     case LS_CHUNK_TOP_NODES:
-        return "top level: one instance with the identity";
+        return "top level: one object, one instance, the identity";
     case LS_CHUNK_NODES:
         return "node hierarchy: the input has none";
     case LS_CHUNK_LIGHTS:

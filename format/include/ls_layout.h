@@ -1,12 +1,12 @@
 // ls_layout.h - every struct whose bytes are shared, once for C17, C++17 and GLSL.
 //
 // Part 1 is stored in .lspace files (format/SPEC.md is the norm; a change here is a change of the
-// format). Part 2 is passed to shaders at run time and never stored. All structs follow std430:
-// an LsVec3 stands at a multiple of 16 and the word after it fills its hole, so there is no padding.
+// format). Part 2 is passed to shaders at run time and never stored. All structs follow std430: an
+// LsVec3 stands at a multiple of 16 and the word after it fills its hole, so there is no padding.
 //
-// Spaces: "world" is the space of the scene; "object" that of one mesh as its file gave it; "grid" is
-// object space moved and scaled so that a cell is 1 wide and the grid begins at (0,0,0):
-// p_grid = (p_object - grid_lower) * inverse_cell.
+// Spaces: "world" is the space of the scene; "object" that of one mesh as its file gave it; "grid"
+// is object space moved and scaled so that a cell is 1 wide and the grid begins at (0,0,0): p_grid
+// = (p_object - grid_lower) * inverse_cell.
 
 #ifndef LS_LAYOUT_H
 #define LS_LAYOUT_H
@@ -21,8 +21,8 @@
 #else
 #include <assert.h>
 #include <stdint.h>
-#define LS_STRUCT(name)                                                                            \
-    typedef struct name name;                                                                      \
+#define LS_STRUCT(name)       \
+    typedef struct name name; \
     struct name
 #define LS_SIZE(name, bytes) static_assert(sizeof(name) == (bytes), #name " has another size")
 typedef struct LsVec3
@@ -42,7 +42,8 @@ typedef uint64_t LsAddress; // a buffer device address; low word first, as uvec2
 #define LS_BLOCK_SIDE 4
 #define LS_BLOCK_CELLS 64
 
-// A voxel of more triangles than this is subdivided, or a BVH leaf; a mask has at most this many bits.
+// A voxel of more triangles than this is subdivided, or a BVH leaf; a mask has at most this many
+// bits.
 #define LS_MASK_TRIANGLES 32
 // A voxel of no more triangles than this has no masks: testing is cheaper than looking up.
 #define LS_DIRECT_TRIANGLES 3
@@ -51,7 +52,7 @@ typedef uint64_t LsAddress; // a buffer device address; low word first, as uvec2
 
 #define LS_MAX_PATCHES 16
 #define LS_MAX_DEPTH 8
-#define LS_MAX_CELLS 4096   // cells along one axis of a grid
+#define LS_MAX_CELLS 4096    // cells along one axis of a grid
 #define LS_MAX_NODE_DEPTH 64 // levels of the scene's node hierarchy
 #define LS_NONE 0xFFFFFFFFu
 
@@ -80,8 +81,8 @@ LS_STRUCT(LsVoxel)
 {
     uint32_t first_reference;
     uint32_t reference_count; // >= 1, or 0 for LS_VOXEL_SUBGRID
-    uint32_t shape;           // kind in bits 0..7; for masks: patches N in 8..15, log2 of bits per shaft in 16..23
-    uint32_t table;           // masks: first word; sub-grid: cell block; BVH: first leaf node; list: 0
+    uint32_t shape; // bits 0..7 kind; for masks 8..15 patches N, 16..23 log2 of bits per shaft
+    uint32_t table; // masks: first word; sub-grid: cell block; BVH: first leaf node; list: 0
 };
 LS_SIZE(LsVoxel, 16);
 
@@ -92,8 +93,9 @@ LS_STRUCT(LsCellBlock)
 };
 LS_SIZE(LsCellBlock, 256);
 
-// A node of a BVH laid out depth first. After a miss, or after a leaf, traversal goes on at `escape`
-// (after a hit inner node at the next node); it ends when the index reaches the node count.
+// A node of a BVH laid out depth first. After a miss, or after a leaf, traversal goes on at
+// `escape` (after a hit inner node at the next node); it ends when the index reaches the node
+// count.
 LS_STRUCT(LsBvhNode)
 {
     LsVec3 lower;    // world space in the top level; grid space in a voxel's BVH
@@ -109,8 +111,8 @@ LS_STRUCT(LsObject)
     LsVec3 lower; // object space; the box [lower, upper] holds every triangle
     uint32_t kind;
     LsVec3 upper;
-    float reach;       // object units: how far outside the box an origin may lie before it is moved (SPEC 7.2)
-    LsVec3 grid_lower; // object space: where the grid begins
+    float reach;        // object units: origins farther outside the box are moved (SPEC 7.2)
+    LsVec3 grid_lower;  // object space: where the grid begins
     float inverse_cell; // cells per object unit
     uint32_t cells[3];  // size of the grid in cells, 1..LS_MAX_CELLS each
     float bound;        // e, in cells: the float bound of SPEC 7.5
@@ -153,7 +155,8 @@ LS_SIZE(LsInstance, 128);
 #define LS_INSTANCE_MIRRORED 1u // the transform turns the winding round
 #define LS_INSTANCE_IDENTITY 2u
 
-// The node hierarchy as the input gave it, parents before children. Kept for tools and later animation.
+// The node hierarchy as the input gave it, parents before children. Kept for tools and later
+// animation.
 LS_STRUCT(LsSceneNode)
 {
     LsVec4 parent_from_node[3];
@@ -177,8 +180,8 @@ LS_SIZE(LsMaterial, 48);
 #define LS_MATERIAL_EMISSIVE 1u
 #define LS_MATERIAL_DOUBLE_SIDED 2u
 
-// An emissive triangle of an instance. Sampling picks light i where the running sum of the selection
-// probabilities, proportional to area times luminance, passes a uniform number.
+// An emissive triangle of an instance. Sampling picks light i where the running sum of the
+// selection probabilities, proportional to area times luminance, passes a uniform number.
 LS_STRUCT(LsLight)
 {
     uint32_t instance;
@@ -223,8 +226,8 @@ LS_STRUCT(LsHit)
 };
 LS_SIZE(LsHit, 32);
 
-// Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small enough to
-// travel as push constants beside a kernel's own.
+// Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small
+// enough to travel as push constants beside a kernel's own.
 LS_STRUCT(LsTraceScene)
 {
     LsAddress objects;
@@ -239,7 +242,7 @@ LS_STRUCT(LsTraceScene)
     LsAddress leaf_nodes;
     LsAddress shafts;
     uint32_t instance_count;
-    float transform_bound; // growth of top level boxes per unit of the ray's largest origin coordinate
+    float transform_bound; // growth of top level boxes per unit of the largest origin coordinate
 };
 LS_SIZE(LsTraceScene, 96);
 

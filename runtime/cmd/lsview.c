@@ -109,7 +109,8 @@ static bool read_whole(const char* text, uint32_t low, uint32_t high, uint32_t* 
     return read_number(text, text + strlen(text), low, high, number);
 }
 
-// Fills `options`; false with one line in `error` on wrong usage. --help and --version end the program.
+// Fills `options`; false with one line in `error` on wrong usage. --help and --version end the
+// program.
 static bool parse_options(int argc, char** argv, Options* options, LsError* error)
 {
     enum

@@ -13,11 +13,13 @@
 #define GROUP_SIZE 64u
 #define GROUP_ROWS (GROUP_SIZE / LS_PATH_TILE_WIDTH)
 
-// A dispatch takes as many samples as stay within this many segments of a path: more let threads whose paths are
-// short go on without their neighbours, fewer keep clear of llvmpipe's bound of 65535 rounds of loops.
+// A dispatch takes as many samples as stay within this many segments of a path: more let threads
+// whose paths are short go on without their neighbours, fewer keep clear of llvmpipe's bound of
+// 65535 rounds of loops.
 #define DISPATCH_SEGMENTS 32u
 
-// Long enough to hide the cost of a submission, short enough for a progress bar and for drivers' watchdogs.
+// Long enough to hide the cost of a submission, short enough for a progress bar and for drivers'
+// watchdogs.
 #define SUBMISSION_SECONDS 0.1
 
 struct LsRender
@@ -78,7 +80,8 @@ LsCamera ls_render_camera(const LsFile* file, double aspect)
     };
 }
 
-// 1 / sum over lights of area times luminance: the density, per area and luminance, with which points of lights are drawn.
+// 1 / sum over lights of area times luminance: the density, per area and luminance, with which
+// points of lights are drawn.
 static float sum_light_density(const LsFile* file)
 {
     double power = 0.0;

@@ -1,8 +1,8 @@
 // polytope.h - slow and exact: does a triangle meet a box, or the hull of two boxes? In double.
 //
 // The oracle for the shaft masks and the voxel lists. Space is the caller's. A hull is shrunk by
-// LS_POLYTOPE_SLACK, far above the rounding of double and far below any bound that files store, so that a
-// yes never hangs on the last bit.
+// LS_POLYTOPE_SLACK, far above the rounding of double and far below any bound that files store, so
+// that a yes never hangs on the last bit.
 
 #ifndef LS_POLYTOPE_H
 #define LS_POLYTOPE_H
@@ -29,23 +29,24 @@ typedef struct LsPolytope
 // A box grown by `grow` on all sides.
 LsPolytope ls_polytope_box(const LsBox* box, double grow);
 
-// The hull of two boxes, neither of them flat: every plane through three of their sixteen corners that has
-// all corners on one side.
+// The hull of two boxes, neither of them flat: every plane through three of their sixteen corners
+// that has all corners on one side.
 LsPolytope ls_polytope_hull(const LsBox* a, const LsBox* b);
 
-// The hull of the two patches of a shaft (numbering: SPEC chapter 6), each grown to a box by `bound` in all
-// axes; the voxel is [0,1]^3.
+// The hull of the two patches of a shaft (numbering: SPEC chapter 6), each grown to a box by
+// `bound` in all axes; the voxel is [0,1]^3.
 LsPolytope ls_polytope_shaft(uint32_t shaft, uint32_t patches, double bound);
 
-// The patches that a shaft joins: faces 2 * axis + side and patch coordinates (i, j). By search through the
-// definition, not by a formula.
+// The patches that a shaft joins: faces 2 * axis + side and patch coordinates (i, j). By search
+// through the definition, not by a formula.
 typedef struct LsShaftEnds
 {
     uint32_t face[2], i[2], j[2];
 } LsShaftEnds;
 LsShaftEnds ls_polytope_shaft_ends(uint32_t shaft, uint32_t patches);
 
-// Cuts the triangle by the body. Writes the corners of what is left and returns their number, 0 for nothing.
+// Cuts the triangle by the body. Writes the corners of what is left and returns their number, 0 for
+// nothing.
 uint32_t ls_polytope_clip(const LsPolytope* body, const double corners[3][3],
                           double out[LS_POLYTOPE_MAX_CORNERS][3]);
 

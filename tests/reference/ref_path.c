@@ -107,7 +107,8 @@ void ls_ref_path_destroy(LsRefPath* path)
     free(path);
 }
 
-// The nearest hit over all instances; each gets the ray in its own space, where t keeps its meaning.
+// The nearest hit over all instances; each gets the ray in its own space, where t keeps its
+// meaning.
 static Hit trace(LsRefPath* path, const double origin[3], const double direction[3], float tmax)
 {
     Hit best = {.t = INFINITY, .instance = LS_NONE};
@@ -208,7 +209,8 @@ static void sample_lights(LsRefPath* path, const LsRefSurface* surface, const do
         return;
     }
 
-    // The textbook form: the light's density per solid angle, the bounce's, and the balance heuristic.
+    // The textbook form: the light's density per solid angle, the bounce's, and the balance
+    // heuristic.
     double solid = d2 / fabs(cosine_light);
     double density_chosen = probability / light->area * solid;
     double density_light = path->light_density * luminance(material->emission) * solid;

@@ -12,7 +12,8 @@
 
 #define U (1.0 / 16777216.0)
 
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && !defined(__SANITIZE_ADDRESS__)
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && \
+    !defined(__SANITIZE_ADDRESS__)
 #define WIDE __attribute__((target_clones("avx512f", "avx2", "default")))
 #else
 #define WIDE
@@ -24,8 +25,8 @@ typedef struct LsReferenceSphere
     double radius;
 } LsReferenceSphere;
 
-// Triangles in an order that keeps neighbours together, padded to a multiple of LANES with triangles that
-// are a point.
+// Triangles in an order that keeps neighbours together, padded to a multiple of LANES with
+// triangles that are a point.
 typedef struct LsReferenceObject
 {
     uint32_t slot_count;
@@ -249,7 +250,8 @@ void ls_reference_destroy(LsReference* reference)
     free(reference);
 }
 
-// ---- SPEC 7.1 and 7.2 -----------------------------------------------------------------------------
+// ---- SPEC 7.1 and 7.2
+// -----------------------------------------------------------------------------
 
 static float largest_component(LsVec3 v)
 {
@@ -371,7 +373,8 @@ bool ls_reference_carry(const LsReference* reference, uint32_t instance, const L
     return !(distance_outside(object, carried->origin) > object->reach);
 }
 
-// ---- SPEC 7.4, in float ---------------------------------------------------------------------------
+// ---- SPEC 7.4, in float
+// ---------------------------------------------------------------------------
 
 // The projection of one ray: axes and what the test needs of it.
 typedef struct LsProjection
@@ -419,10 +422,10 @@ static LsProjection project_ray(const LsObjectRay* ray, uint32_t flags, bool mir
     };
 }
 
-// Tests LANES triangles: s where hit, infinity elsewhere, and the weights' numerators. Returns whether some
-// s is at most `best`.
-WIDE static int test_lanes(const LsReferenceObject* object, uint32_t first,
-                           const LsProjection* ray, float best, float* restrict s_out)
+// Tests LANES triangles: s where hit, infinity elsewhere, and the weights' numerators. Returns
+// whether some s is at most `best`.
+WIDE static int test_lanes(const LsReferenceObject* object, uint32_t first, const LsProjection* ray,
+                           float best, float* restrict s_out)
 {
     const float* restrict ax_in = object->corners[0][ray->kx] + first;
     const float* restrict ay_in = object->corners[0][ray->ky] + first;
@@ -467,8 +470,10 @@ WIDE static int test_lanes(const LsReferenceObject* object, uint32_t first,
         float ry = ((u * ay + v * by) + w * cy) / det;
         float k = (rx * ex + ry * ey) / l;
         float s = (((u * az + v * bz) + w * cz) / det - k * ez) / dz + s0;
-        int beside_x = ((ax > 0.0f) & (bx > 0.0f) & (cx > 0.0f)) | ((ax < 0.0f) & (bx < 0.0f) & (cx < 0.0f));
-        int beside_y = ((ay > 0.0f) & (by > 0.0f) & (cy > 0.0f)) | ((ay < 0.0f) & (by < 0.0f) & (cy < 0.0f));
+        int beside_x =
+            ((ax > 0.0f) & (bx > 0.0f) & (cx > 0.0f)) | ((ax < 0.0f) & (bx < 0.0f) & (cx < 0.0f));
+        int beside_y =
+            ((ay > 0.0f) & (by > 0.0f) & (cy > 0.0f)) | ((ay < 0.0f) & (by < 0.0f) & (cy < 0.0f));
         int beside = beside_x | beside_y;
         int below = (u < 0.0f) | (v < 0.0f) | (w < 0.0f);
         int above = (u > 0.0f) | (v > 0.0f) | (w > 0.0f);
@@ -601,16 +606,19 @@ void ls_reference_trace(const LsReference* reference, const LsRay* rays, const u
     }
 }
 
-// ---- The same in double, with margins ---------------------------------------------------------------
+// ---- The same in double, with margins
+// ---------------------------------------------------------------
 
-// A ray in double from its carried origin, with a frame across it: two unit vectors at right angles to it.
+// A ray in double from its carried origin, with a frame across it: two unit vectors at right angles
+// to it.
 typedef struct LsWideRay
 {
     double origin[3], direction[3];
     double length; // of direction
     double across[2][3];
     double smin, smax;
-    double moved; // length of the moved origin's coordinates, to which moving rounds; 0 if it did not move
+    double
+        moved; // length of the moved origin's coordinates, to which moving rounds; 0 if it did not move
     int exponent;
 } LsWideRay;
 
@@ -636,8 +644,7 @@ static LsWideRay widen_ray(const LsObjectRay* ray, const LsRay* world)
     {
         wide.origin[axis] = ray->carried[axis];
         wide.direction[axis] = ray->direction[axis];
-        smallest =
-            fabsf(ray->direction[axis]) < fabsf(ray->direction[smallest]) ? axis : smallest;
+        smallest = fabsf(ray->direction[axis]) < fabsf(ray->direction[smallest]) ? axis : smallest;
     }
     wide.length = sqrt(dot(wide.direction, wide.direction));
     if (ray->s0 > 0.0f)
@@ -740,8 +747,7 @@ static bool measure_triangle(const LsReferenceObject* object, uint32_t slot, con
     double n_length = sqrt(dot(n, n));
     double n_d = dot(n, ray->direction);
     out->s = dot(n, corners[0]) / n_d;
-    out->s_bound = n_d != 0.0 ? 16.0 * U * (fabs(out->s) + reach * n_length / fabs(n_d))
-                              : INFINITY;
+    out->s_bound = n_d != 0.0 ? 16.0 * U * (fabs(out->s) + reach * n_length / fabs(n_d)) : INFINITY;
     out->margin = (LsReferenceMargin){
         .t = ldexp(out->s, -ray->exponent),
         .t_bound = ldexp(out->s_bound, -ray->exponent),
@@ -751,11 +757,11 @@ static bool measure_triangle(const LsReferenceObject* object, uint32_t slot, con
         .inside = inside,
     };
     bool flat_on = isfinite(out->s_bound);
-    out->possible = n_length > 0.0 && (inside || distance <= bound) &&
-                    (!flat_on || (out->s + out->s_bound > ray->smin &&
-                                  out->s - out->s_bound < ray->smax));
-    out->certain = inside && flat_on && distance > bound &&
-                   out->s - out->s_bound > ray->smin && out->s + out->s_bound < ray->smax;
+    out->possible =
+        n_length > 0.0 && (inside || distance <= bound) &&
+        (!flat_on || (out->s + out->s_bound > ray->smin && out->s - out->s_bound < ray->smax));
+    out->certain = inside && flat_on && distance > bound && out->s - out->s_bound > ray->smin &&
+                   out->s + out->s_bound < ray->smax;
     return true;
 }
 
@@ -905,7 +911,8 @@ static LsVerdict judge_hit(const LsReference* reference, const LsRay* ray, uint3
     {
         return LS_VERDICT_DEFECT;
     }
-    // Where t leaves the range of normal floats devices flush or overflow; it is held to no more than that.
+    // Where t leaves the range of normal floats devices flush or overflow; it is held to no more
+    // than that.
     double bound = own.margin.t_bound;
     bool held = isfinite(bound) ? fabs(hit->t - own.margin.t) <= bound : true;
     bool within = hit->t > ray->tmin && hit->t < ray->tmax;
@@ -915,7 +922,8 @@ static LsVerdict judge_hit(const LsReference* reference, const LsRay* ray, uint3
     {
         return LS_VERDICT_DEFECT;
     }
-    bool is_winner = winner && winner->instance == hit->instance && winner->primitive == hit->primitive;
+    bool is_winner =
+        winner && winner->instance == hit->instance && winner->primitive == hit->primitive;
     if (is_winner)
     {
         return LS_VERDICT_RIGHT;
@@ -976,9 +984,11 @@ LsVerdict ls_reference_judge_all(const LsReference* reference, const LsRay* ray,
     return verdict;
 }
 
-// ---- The exception of SPEC 7.6 ----------------------------------------------------------------------
+// ---- The exception of SPEC 7.6
+// ----------------------------------------------------------------------
 
-// The leaf cell that a point of grid space lies in: its lower corner and width, in cells of the grid.
+// The leaf cell that a point of grid space lies in: its lower corner and width, in cells of the
+// grid.
 static bool find_cell(const LsFile* file, const LsObject* object, const double p[3],
                       double lower[3], double* width)
 {

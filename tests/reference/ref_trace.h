@@ -1,9 +1,11 @@
-// ref_trace.h - the slow second opinion: rays against every triangle, written from format/SPEC.md alone.
+// ref_trace.h - the slow second opinion: rays against every triangle, written from format/SPEC.md
+// alone.
 //
-// Two tracers over an opened file. ls_reference_trace takes chapter 7 literally: float, every operation
-// rounded, IEEE division, in the order of the text. ls_reference_judge knows the answer in double and says
-// of an answer of any tracer whether the contract of SPEC 7.6 allows it, and why.
-// Neither looks at grids, voxels or shafts, but for ls_reference_explain, which needs the end of a cell.
+// Two tracers over an opened file. ls_reference_trace takes chapter 7 literally: float, every
+// operation rounded, IEEE division, in the order of the text. ls_reference_judge knows the answer
+// in double and says of an answer of any tracer whether the contract of SPEC 7.6 allows it, and
+// why. Neither looks at grids, voxels or shafts, but for ls_reference_explain, which needs the end
+// of a cell.
 
 #ifndef LS_REF_TRACE_H
 #define LS_REF_TRACE_H
@@ -26,8 +28,8 @@ typedef struct LsObjectRay
     int exponent;       // t = s * 2^-exponent
 } LsObjectRay;
 
-// Carries a world ray to an instance. False: the ray is illegal (7.1), does not share a bit of `mask` with
-// the instance, or misses the object by 7.2.
+// Carries a world ray to an instance. False: the ray is illegal (7.1), does not share a bit of
+// `mask` with the instance, or misses the object by 7.2.
 bool ls_reference_carry(const LsReference* reference, uint32_t instance, const LsRay* ray,
                         uint32_t mask, LsObjectRay* carried);
 
@@ -39,11 +41,11 @@ void ls_reference_trace(const LsReference* reference, const LsRay* rays, const u
 LsHit ls_reference_miss(void);
 
 // What the contract between devices says of an answer. Only the last is a defect.
-#define LS_VERDICT_LIST(X)                                                                         \
-    X(RIGHT, "right")      /* the answer of double precision, t within its bound */                \
-    X(EDGE, "edge")        /* another answer, allowed: an edge passes closer than 16 u L */        \
-    X(T_ERROR, "t error")  /* another answer, allowed: the bounds of t overlap */                  \
-    X(EDGE_ON, "edge-on")  /* a hit beside a triangle whose three edge lines pass within 16 u L */ \
+#define LS_VERDICT_LIST(X)                                                                        \
+    X(RIGHT, "right")     /* the answer of double precision, t within its bound */                \
+    X(EDGE, "edge")       /* another answer, allowed: an edge passes closer than 16 u L */        \
+    X(T_ERROR, "t error") /* another answer, allowed: the bounds of t overlap */                  \
+    X(EDGE_ON, "edge-on") /* a hit beside a triangle whose three edge lines pass within 16 u L */ \
     X(DEFECT, "defect")
 
 typedef enum LsVerdict
@@ -51,12 +53,12 @@ typedef enum LsVerdict
 #define LS_VERDICT_ENUMERATOR(name, text) LS_VERDICT_##name,
     LS_VERDICT_LIST(LS_VERDICT_ENUMERATOR)
 #undef LS_VERDICT_ENUMERATOR
-    LS_VERDICT_COUNT
+        LS_VERDICT_COUNT
 } LsVerdict;
 const char* ls_verdict_text(LsVerdict verdict);
 
-// Judges answer_count answers to each ray of a batch (closest hit, no culling). answers[a] points at
-// ray_count hits, verdicts[a] at room for as many.
+// Judges answer_count answers to each ray of a batch (closest hit, no culling). answers[a] points
+// at ray_count hits, verdicts[a] at room for as many.
 void ls_reference_judge(const LsReference* reference, const LsRay* rays, const uint32_t* masks,
                         uint32_t ray_count, uint32_t answer_count, const LsHit* const* answers,
                         LsVerdict* const* verdicts);
@@ -65,7 +67,8 @@ void ls_reference_judge(const LsReference* reference, const LsRay* rays, const u
 LsVerdict ls_reference_judge_all(const LsReference* reference, const LsRay* ray, uint32_t mask,
                                  const LsHit* answer);
 
-// What is known in double of one triangle and a ray. Distances in object units, t in those of the ray.
+// What is known in double of one triangle and a ray. Distances in object units, t in those of the
+// ray.
 typedef struct LsReferenceMargin
 {
     double t;             // where the ray meets the plane; NaN for a ray in the plane
@@ -80,11 +83,12 @@ typedef struct LsReferenceMargin
 bool ls_reference_margin(const LsReference* reference, const LsRay* ray, uint32_t mask,
                          uint32_t instance, uint32_t primitive, LsReferenceMargin* margin);
 
-// Why an answer through the Line Space may differ from that of testing all triangles on the same device.
-#define LS_EXCEPTION_LIST(X)                                                                       \
-    X(NONE, "none")           /* no reason: a defect */                                            \
-    X(OTHER_HIT, "other hit") /* the error of t reaches past the other hit */                      \
-    X(TMAX, "tmax")           /* ... past tmax */                                                  \
+// Why an answer through the Line Space may differ from that of testing all triangles on the same
+// device.
+#define LS_EXCEPTION_LIST(X)                                                  \
+    X(NONE, "none")           /* no reason: a defect */                       \
+    X(OTHER_HIT, "other hit") /* the error of t reaches past the other hit */ \
+    X(TMAX, "tmax")           /* ... past tmax */                             \
     X(CELL_END, "cell end")   /* ... past the end of the cell that the hit lies in */
 
 typedef enum LsException
@@ -92,15 +96,16 @@ typedef enum LsException
 #define LS_EXCEPTION_ENUMERATOR(name, text) LS_EXCEPTION_##name,
     LS_EXCEPTION_LIST(LS_EXCEPTION_ENUMERATOR)
 #undef LS_EXCEPTION_ENUMERATOR
-    LS_EXCEPTION_COUNT
+        LS_EXCEPTION_COUNT
 } LsException;
 const char* ls_exception_text(LsException exception);
 
 // Largest cosine at which a triangle counts as nearly edge-on.
 #define LS_EDGE_ON_COSINE 0.1
 
-// The exception of SPEC 7.6, established in double for one ray: the triangle of `all` (the answer of testing
-// all triangles) was overtaken by `exact`, is nearly edge-on, and its own error of t is the reason.
+// The exception of SPEC 7.6, established in double for one ray: the triangle of `all` (the answer
+// of testing all triangles) was overtaken by `exact`, is nearly edge-on, and its own error of t is
+// the reason.
 LsException ls_reference_explain(const LsReference* reference, const LsRay* ray, uint32_t mask,
                                  const LsHit* all, const LsHit* exact, double* cosine);
 
