@@ -353,7 +353,7 @@ bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
     return ls_test_all(ray, best);
 }
 
-// Carries a ray into an instance and traces it there. True if the ray may end.
+// Carries a scaled ray into an instance and traces it there. True if the ray may end.
 bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
 {
     LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
@@ -396,9 +396,10 @@ uint ls_hit_triangle;
 // Traces one ray; SPEC chapter 7. `mask` selects instances (0xFF: all), `flags` are LS_RAY_FLAG_*.
 LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
 {
-    LsBest best = LsBest(min(ray.tmax, LS_LARGEST_FLOAT), 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE,
-                         LS_NONE, LS_NONE);
-    if (!ls_ray_is_legal(ray))
+    bool legal = ls_ray_is_legal(ray);
+    float scale = ls_scale_ray(ray);
+    LsBest best = LsBest(ray.tmax, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, LS_NONE);
+    if (!legal)
     {
     }
     else if (LS_HAS_TOP_LEVEL == 0u)
@@ -419,15 +420,14 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     {
         // Boxes grow with the ray's origin, whose rounding in object space grows with it; SPEC 7.3.
         LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.top_nodes);
-        float scale = ls_direction_scale(ray.direction);
-        vec3 inverse = ls_inverse_direction(ray.direction * ls_exact_inverse(scale));
+        vec3 inverse = ls_inverse_direction(ray.direction);
         float pad = ls_scene.transform_bound * ls_max_component(abs(ray.origin));
         uint node_count = nodes.at[0].escape;
         for (uint i = 0u; i < node_count;)
         {
             LsBvhNode node = nodes.at[i];
             bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad,
-                                    ray.tmin * scale, best.t * scale);
+                                    ray.tmin, best.t);
             if (met && node.leaf != 0u && ls_trace_instance(ray, best, node.leaf >> 4, mask, flags))
             {
                 break;
@@ -440,7 +440,7 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     LsHit hit;
     bool any = (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
     bool found = best.instance != LS_NONE;
-    hit.t = found ? (any ? 0.0 : best.t) : -1.0;
+    hit.t = found ? (any ? 0.0 : best.t * ls_exact_inverse(scale)) : -1.0;
     hit.u = found && !any ? best.u : 0.0;
     hit.v = found && !any ? best.v : 0.0;
     hit.instance = best.instance;

@@ -37,11 +37,11 @@ float ls_min_component(vec3 v)
     return min(min(v.x, v.y), v.z);
 }
 
-// A direction is usable if it is finite and not zero, which starts below the smallest normal
-// number.
+// A direction is usable if it is finite and not zero, which starts below 2^-100: devices may take
+// numbers below 2^-126 for zero, and what they lose of such a direction must not show.
 bool ls_is_direction(vec3 d)
 {
-    return ls_is_finite(d) && ls_max_component(abs(d)) >= uintBitsToFloat(0x00800000u);
+    return ls_is_finite(d) && ls_max_component(abs(d)) >= 7.88860905221011805e-31;
 }
 
 bool ls_ray_is_legal(LsRay ray)
@@ -50,7 +50,7 @@ bool ls_ray_is_legal(LsRay ray)
            !ls_is_nan(ray.tmax) && ray.tmin >= 0.0 && ray.tmax > ray.tmin;
 }
 
-// The nearest hit so far. t is in units of the ray as given.
+// The nearest hit so far. t is in units of the scaled direction of ls_scale_ray.
 struct LsBest
 {
     float t; // tmax before the first hit
@@ -91,6 +91,19 @@ float ls_direction_scale(vec3 d)
 float ls_exact_inverse(float power_of_two)
 {
     return uintBitsToFloat((254u << 23) - floatBitsToUint(power_of_two));
+}
+
+// Scales the direction by a power of two so that its largest component lies in [1,2), and tmin and
+// tmax with it; returns 2^E of SPEC 7.2. Components below 2^-126 become zero on every device.
+float ls_scale_ray(inout LsRay ray)
+{
+    float scale = ls_direction_scale(ray.direction);
+    uvec3 exponents = floatBitsToUint(ray.direction) & 0x7F800000u;
+    vec3 normal = mix(ray.direction, vec3(0.0), equal(exponents, uvec3(0u)));
+    ray.direction = normal * ls_exact_inverse(scale);
+    ray.tmin *= scale;
+    ray.tmax = min(ray.tmax, LS_LARGEST_FLOAT) * scale;
+    return scale;
 }
 
 // Components this small, against a direction scaled to 1, move a ray by nothing on its whole way;

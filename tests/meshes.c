@@ -24,8 +24,7 @@ const char* ls_test_mesh_name(LsTestMeshId id)
     return names[id];
 }
 
-// ---- Building blocks
-// ------------------------------------------------------------------------------
+// ---- Building blocks ----------------------------------------------------------------------------
 
 static LsTestMesh make_empty(uint32_t vertex_count, uint32_t triangle_count)
 {
@@ -98,8 +97,7 @@ static LsTestMesh join_meshes(LsTestMesh* a, LsTestMesh* b)
     return mesh;
 }
 
-// ---- Loaded
-// ---------------------------------------------------------------------------------------
+// ---- Loaded -------------------------------------------------------------------------------------
 
 // Reads the PLY files of this repository: binary little-endian, three floats a vertex, triangles.
 static LsTestMesh load_ply(const char* path)
@@ -190,8 +188,7 @@ static LsTestMesh tessellate_teapot(uint32_t n)
     return mesh;
 }
 
-// ---- Made
-// -----------------------------------------------------------------------------------------
+// ---- Made ---------------------------------------------------------------------------------------
 
 // The surface of a cube of side `side` from `lower` on, `n` cells along each edge, seen from
 // outside or, turned, from inside. Faces share their border vertices.
@@ -421,8 +418,7 @@ LsTestMesh ls_test_mesh_make(LsTestMeshId id)
     return mesh;
 }
 
-// ---- Asked
-// ----------------------------------------------------------------------------------------
+// ---- Asked --------------------------------------------------------------------------------------
 
 static int compare_edges(const void* a, const void* b)
 {
@@ -527,8 +523,7 @@ bool ls_test_mesh_contains(const LsTestMesh* mesh, const double point[3])
     return true;
 }
 
-// ---- Written
-// --------------------------------------------------------------------------------------
+// ---- Written ------------------------------------------------------------------------------------
 
 void ls_test_mesh_write_ply(const LsTestMesh* mesh, const char* path)
 {

@@ -100,8 +100,7 @@ static void pick_point(LsRayMaker* maker, double stretch, double p[3])
     }
 }
 
-// ---- Between object and world
-// -----------------------------------------------------------------------
+// ---- Between object and world -------------------------------------------------------------------
 
 static void move_point(const LsRayMaker* maker, double p[3])
 {
@@ -214,8 +213,7 @@ static void pick_cell_corner(LsRayMaker* maker, double p[3], double* cell)
     }
 }
 
-// ---- Classes
-// ----------------------------------------------------------------------------------------
+// ---- Classes ------------------------------------------------------------------------------------
 
 static LsRay make_camera(LsRayMaker* maker)
 {
@@ -449,7 +447,7 @@ static LsRay make_far(LsRayMaker* maker)
 
 static LsRay make_scaled(LsRayMaker* maker)
 {
-    static const double scales[] = {1e-37, 1e-20, 1e-6, 1e6, 1e20, 1e37};
+    static const double scales[] = {1e-28, 1e-20, 1e-6, 1e6, 1e20, 1e37};
     LsRay ray = below(maker, 2) ? make_random(maker) : make_camera(maker);
     double scale = scales[below(maker, 6)];
     ray.direction.x = (float)(ray.direction.x * scale);

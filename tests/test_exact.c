@@ -132,8 +132,7 @@ static uint64_t brute_million = 10;
 static LsTally total;
 static uint64_t ordinary_mesh_rays, ordinary_mesh_exceptions;
 
-// ---- One set of rays
-// ----------------------------------------------------------------------------------
+// ---- One set of rays ----------------------------------------------------------------------------
 
 typedef struct LsContest
 {
@@ -323,8 +322,7 @@ static void judge_answers(LsContest* contest, const LsRaySet* set, LsTally* tall
     }
 }
 
-// ---- Closed meshes
-// ------------------------------------------------------------------------------------
+// ---- Closed meshes ------------------------------------------------------------------------------
 
 static void copy_vertex(const LsTestMesh* mesh, uint32_t index, double out[3])
 {
@@ -428,8 +426,7 @@ static void count_lost(LsContest* contest, const LsTestMesh* mesh, uint32_t coun
     ls_ray_set_destroy(&set);
 }
 
-// ---- A mesh
-// ---------------------------------------------------------------------------------------------
+// ---- A mesh -------------------------------------------------------------------------------------
 
 static void run_setting(const LsExactCase* exact_case, const LsSetting* setting,
                         const LsTestMesh* mesh, LsTally* tally)

@@ -33,8 +33,7 @@ static const LsVoxelCase CASES[] = {
 };
 #define CASE_COUNT (sizeof CASES / sizeof CASES[0])
 
-// ---- A file's grid as the specification reads it
-// ----------------------------------------------------
+// ---- A file's grid as the specification reads it ------------------------------------------------
 
 // Where a filled voxel lies, in cells of the grid.
 typedef struct LsVoxelPlace
@@ -183,8 +182,7 @@ static bool lists_triangle(const LsGridView* view, const LsVoxel* voxel, uint32_
     return false;
 }
 
-// ---- Lists
-// ------------------------------------------------------------------------------------------
+// ---- Lists --------------------------------------------------------------------------------------
 
 typedef struct LsListTally
 {
@@ -257,8 +255,7 @@ static LsListTally check_lists(const LsGridView* view)
     return tally;
 }
 
-// ---- Distances
-// --------------------------------------------------------------------------------------
+// ---- Distances ----------------------------------------------------------------------------------
 
 // Filled cells of a box of cells, answered by a table of sums over all boxes from the corner on.
 typedef struct LsFillTable
@@ -434,8 +431,7 @@ static LsDistanceTally check_distances(const LsGridView* view)
     return tally;
 }
 
-// ---- Masks
-// ------------------------------------------------------------------------------------------
+// ---- Masks --------------------------------------------------------------------------------------
 
 typedef struct LsMaskTally
 {
@@ -493,8 +489,7 @@ static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples,
     return tally;
 }
 
-// ---- Boxes
-// ------------------------------------------------------------------------------------------
+// ---- Boxes --------------------------------------------------------------------------------------
 
 static double component(LsVec3 v, uint32_t axis)
 {
@@ -562,8 +557,7 @@ static uint64_t check_leaf_boxes(const LsGridView* view)
     return checked;
 }
 
-// ---- Tests
-// ------------------------------------------------------------------------------------------
+// ---- Tests --------------------------------------------------------------------------------------
 
 static void files_against_oracles(void** state)
 {

@@ -92,7 +92,7 @@ static LsHit trace_ray(const LsEmbree* embree, const LsRay* world, uint32_t mask
     for (uint32_t instance = 0; instance < ls_file_count(file, LS_CHUNK_INSTANCES); instance++)
     {
         LsObjectRay ray;
-        if (!ls_reference_carry(embree->reference, instance, world, mask, &ray))
+        if (!ls_reference_carry(embree->reference, instance, world, mask, &ray) || ray.misses)
         {
             continue;
         }

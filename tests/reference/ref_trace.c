@@ -250,8 +250,7 @@ void ls_reference_destroy(LsReference* reference)
     free(reference);
 }
 
-// ---- SPEC 7.1 and 7.2
-// -----------------------------------------------------------------------------
+// ---- SPEC 7.1 and 7.2 ---------------------------------------------------------------------------
 
 static float largest_component(LsVec3 v)
 {
@@ -266,7 +265,7 @@ static bool is_finite(LsVec3 v)
 static bool is_legal(const LsRay* ray)
 {
     return is_finite(ray->origin) && is_finite(ray->direction) &&
-           largest_component(ray->direction) >= 0x1p-126f && ray->tmin >= 0.0f &&
+           largest_component(ray->direction) >= 0x1p-100f && ray->tmin >= 0.0f &&
            ray->tmax > ray->tmin;
 }
 
@@ -320,6 +319,31 @@ static bool move_origin(const LsObject* object, float outside, LsObjectRay* ray)
     return true;
 }
 
+// The exponent that scales a direction, from its largest component.
+static int scale_exponent(float largest)
+{
+    return ilogbf(largest) < 126 ? ilogbf(largest) : 126;
+}
+
+// Moves a far origin, in at most two steps. False: the ray misses the object.
+static bool move_far_origin(const LsObject* object, LsObjectRay* carried)
+{
+    for (uint32_t step = 0; step < 2; step++)
+    {
+        float outside = distance_outside(object, carried->origin);
+        if (!(outside > object->reach))
+        {
+            return true;
+        }
+        carried->far = true;
+        if (!move_origin(object, outside, carried))
+        {
+            return false;
+        }
+    }
+    return !(distance_outside(object, carried->origin) > object->reach);
+}
+
 bool ls_reference_carry(const LsReference* reference, uint32_t instance, const LsRay* ray,
                         uint32_t mask, LsObjectRay* carried)
 {
@@ -331,7 +355,14 @@ bool ls_reference_carry(const LsReference* reference, uint32_t instance, const L
     }
 
     const LsVec3 o = ray->origin;
-    const LsVec3 d = ray->direction;
+    int world_exponent = scale_exponent(largest_component(ray->direction));
+    float scaled[3];
+    for (uint32_t i = 0; i < 3; i++)
+    {
+        float given = component(ray->direction, i);
+        scaled[i] = fabsf(given) < 0x1p-126f ? 0.0f : ldexpf(given, -world_exponent);
+    }
+    const LsVec3 d = {scaled[0], scaled[1], scaled[2]};
     *carried = (LsObjectRay){.s0 = 0.0f};
     for (uint32_t i = 0; i < 3; i++)
     {
@@ -344,37 +375,25 @@ bool ls_reference_carry(const LsReference* reference, uint32_t instance, const L
     const float* c = carried->carried;
     LsVec3 direction = {carried->direction[0], carried->direction[1], carried->direction[2]};
     float largest = largest_component(direction);
-    if (!is_finite((LsVec3){c[0], c[1], c[2]}) || !is_finite(direction) || largest < 0x1p-126f)
+    if (!is_finite((LsVec3){c[0], c[1], c[2]}) || !is_finite(direction) || largest < 0x1p-100f)
     {
         return false;
     }
 
-    carried->exponent = ilogbf(largest) < 126 ? ilogbf(largest) : 126;
+    int object_exponent = scale_exponent(largest);
     for (uint32_t i = 0; i < 3; i++)
     {
-        carried->direction[i] = ldexpf(carried->direction[i], -carried->exponent);
+        carried->direction[i] = ldexpf(carried->direction[i], -object_exponent);
         carried->origin[i] = carried->carried[i];
     }
-    carried->smin = ldexpf(ray->tmin, carried->exponent);
-    carried->smax = ldexpf(fminf(ray->tmax, FLT_MAX), carried->exponent);
-
-    for (uint32_t step = 0; step < 2; step++)
-    {
-        float outside = distance_outside(object, carried->origin);
-        if (!(outside > object->reach))
-        {
-            return true;
-        }
-        if (!move_origin(object, outside, carried))
-        {
-            return false;
-        }
-    }
-    return !(distance_outside(object, carried->origin) > object->reach);
+    carried->smin = ldexpf(ldexpf(ray->tmin, world_exponent), object_exponent);
+    carried->smax = ldexpf(ldexpf(fminf(ray->tmax, FLT_MAX), world_exponent), object_exponent);
+    carried->exponent = world_exponent + object_exponent;
+    carried->misses = !move_far_origin(object, carried);
+    return true;
 }
 
-// ---- SPEC 7.4, in float
-// ---------------------------------------------------------------------------
+// ---- SPEC 7.4, in float -------------------------------------------------------------------------
 
 // The projection of one ray: axes and what the test needs of it.
 typedef struct LsProjection
@@ -553,7 +572,8 @@ static void trace_block(const LsReference* reference, const LsRay* rays, const u
         for (uint32_t i = 0; i < count; i++)
         {
             uint32_t mask = masks ? masks[i] : 255u;
-            reaches[i] = ls_reference_carry(reference, instance, &rays[i], mask, &carried[i]);
+            reaches[i] = ls_reference_carry(reference, instance, &rays[i], mask, &carried[i]) &&
+                         !carried[i].misses;
             nearest[i] = (LsNearest){INFINITY, LS_NONE, LS_NONE};
             if (reaches[i])
             {
@@ -606,8 +626,7 @@ void ls_reference_trace(const LsReference* reference, const LsRay* rays, const u
     }
 }
 
-// ---- The same in double, with margins
-// ---------------------------------------------------------------
+// ---- The same in double, with margins -----------------------------------------------------------
 
 // A ray in double from its carried origin, with a frame across it: two unit vectors at right angles
 // to it.
@@ -617,8 +636,7 @@ typedef struct LsWideRay
     double length; // of direction
     double across[2][3];
     double smin, smax;
-    double
-        moved; // length of the moved origin's coordinates, to which moving rounds; 0 if it did not move
+    double moved; // largest length of a moved origin's coordinates, to which moving rounds; or 0
     int exponent;
 } LsWideRay;
 
@@ -634,7 +652,7 @@ static void cross(const double a[3], const double b[3], double out[3])
     out[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-static LsWideRay widen_ray(const LsObjectRay* ray, const LsRay* world)
+static LsWideRay widen_ray(const LsObject* object, const LsObjectRay* ray, const LsRay* world)
 {
     LsWideRay wide = {.smin = ldexp(world->tmin, ray->exponent),
                       .smax = ldexp(fmin(world->tmax, FLT_MAX), ray->exponent),
@@ -647,10 +665,13 @@ static LsWideRay widen_ray(const LsObjectRay* ray, const LsRay* world)
         smallest = fabsf(ray->direction[axis]) < fabsf(ray->direction[smallest]) ? axis : smallest;
     }
     wide.length = sqrt(dot(wide.direction, wide.direction));
-    if (ray->s0 > 0.0f)
+    if (ray->far)
     {
-        const double moved[3] = {ray->origin[0], ray->origin[1], ray->origin[2]};
-        wide.moved = sqrt(dot(moved, moved));
+        // Wherever in the box a device moves the origin to.
+        const LsVec3 l = object->lower, u = object->upper;
+        const double farthest[3] = {fmax(fabs(l.x), fabs(u.x)), fmax(fabs(l.y), fabs(u.y)),
+                                    fmax(fabs(l.z), fabs(u.z))};
+        wide.moved = sqrt(dot(farthest, farthest));
     }
     double axis_vector[3] = {smallest == 0, smallest == 1, smallest == 2};
     cross(wide.direction, axis_vector, wide.across[0]);
@@ -815,7 +836,7 @@ static void gather_candidates(const LsReference* reference, const LsRay* world, 
         {
             continue;
         }
-        LsWideRay ray = widen_ray(&carried, world);
+        LsWideRay ray = widen_ray(&file->objects[object_index], &carried, world);
         for (uint32_t first = 0; first < object->slot_count; first += CLUSTER)
         {
             if (!all && !line_meets_sphere(&ray, &object->spheres[first / CLUSTER]))
@@ -853,7 +874,7 @@ static bool measure_hit(const LsReference* reference, const LsRay* world, uint32
     {
         return false;
     }
-    LsWideRay ray = widen_ray(&carried, world);
+    LsWideRay ray = widen_ray(&file->objects[object_index], &carried, world);
     *out = (LsCandidate){.instance = instance, .primitive = primitive};
     return measure_triangle(object, object->slot_of_primitive[primitive], &ray, true, out);
 }
@@ -984,8 +1005,7 @@ LsVerdict ls_reference_judge_all(const LsReference* reference, const LsRay* ray,
     return verdict;
 }
 
-// ---- The exception of SPEC 7.6
-// ----------------------------------------------------------------------
+// ---- The exception of SPEC 7.6 ------------------------------------------------------------------
 
 // The leaf cell that a point of grid space lies in: its lower corner and width, in cells of the
 // grid.
@@ -1094,7 +1114,7 @@ LsException ls_reference_explain(const LsReference* reference, const LsRay* ray,
         LsObjectRay carried;
         if (ls_reference_carry(reference, all->instance, ray, mask, &carried))
         {
-            LsWideRay wide = widen_ray(&carried, ray);
+            LsWideRay wide = widen_ray(object, &carried, ray);
             if (leaves_cell(reference->file, object, &wide, ldexp(all->t, wide.exponent),
                             ldexp(bound, wide.exponent)))
             {

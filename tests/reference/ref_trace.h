@@ -26,10 +26,12 @@ typedef struct LsObjectRay
     float s0;           // how far the origin moved, in units of `direction`
     float smin, smax;   // open interval of legal s
     int exponent;       // t = s * 2^-exponent
+    bool far;           // the carried origin lies farther than reach outside the box
+    bool misses;        // by 7.2, while its origin moved; in float, so devices may differ
 } LsObjectRay;
 
 // Carries a world ray to an instance. False: the ray is illegal (7.1), does not share a bit of
-// `mask` with the instance, or misses the object by 7.2.
+// `mask` with the instance, or has no direction there. See also `misses`.
 bool ls_reference_carry(const LsReference* reference, uint32_t instance, const LsRay* ray,
                         uint32_t mask, LsObjectRay* carried);
 
