@@ -2,8 +2,8 @@
 # Installs what is missing, builds, and runs the tests. The last line counts what passed and what failed; a test
 # that was skipped or could not run counts as failed.
 #
-# Without options: all tests of the release build, the bytes of a gcc and a clang bake compared, and the
-# sanitizers over everything that needs no GPU. --full adds the sanitizers over what does.
+# Without options: all tests of the release build, the bytes of gcc's and clang's bakes compared, and clang's build and
+# the sanitizers over everything that needs no GPU. --full adds clang and the sanitizers over what does.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source tools/setup.sh
@@ -38,7 +38,9 @@ run_tests()
     shift
     local record=build/$preset-tests.xml
     rm -f "$record"
-    ctest --preset "$preset" --output-junit "$PWD/$record" "$@" || true
+    # ctest keeps the first 1024 bytes of what a passed test prints, unless told otherwise.
+    ctest --preset "$preset" --output-junit "$PWD/$record" --test-output-size-passed 10000000 \
+        --test-output-size-failed 10000000 "$@" || true
     if [[ ! -e "$record" ]] || ! grep -q '<testcase ' "$record"; then
         count_result failed "$preset: no test ran"
         return
@@ -54,7 +56,7 @@ run_tests()
     # A case that a program skips leaves the program's own result untouched.
     while read -r name; do
         count_result failed "$preset: $name (skipped)"
-    done < <(sed -n 's/.*\[ *SKIPPED *\] \([a-z0-9_]\{1,\}\)$/\1/p' "$record")
+    done < <(sed -n 's/.*\[ *SKIPPED *\] \([^ ]\{1,\}\)$/\1/p' "$record" | sort -u)
 }
 
 # build_and_test PRESET [CTEST OPTION...]
@@ -68,36 +70,88 @@ build_and_test()
     fi
 }
 
-# Bakes the bundled scene with the build of a preset.
-bake_scene()
+# print_lines PRESET TEST PATTERN: what a test printed, of the lines that match.
+print_lines()
 {
+    sed -n "/<testcase name=\"$2\"/,/<\/testcase>/p" "build/$1-tests.xml" | grep -E -- "$3" |
+        sed 's/^<system-out>//; s/<\/system-out>$//; s/&lt;/</g; s/&gt;/>/g; s/&quot;/"/g; s/&amp;/\&/g' ||
+        echo "$2 printed no line of its summary"
+}
+
+# What the release build's tests counted.
+print_summary()
+{
+    echo "== exactness: GPU, brute force, references and Embree on the same rays (tests/test_exact.c)"
+    print_lines release test_exact '^(<system-out>)?mesh .*\|' | sed -n 1p
+    print_lines release test_exact '^[a-z]+ +[0-9].*\|'
+    print_lines release test_exact 'excepted'
+    echo "== shaft test: what it says against the exact polytope test (tests/test_shafts.c)"
+    print_lines release test_shafts 'wrong no$|surplus'
+    echo "== flipped bits of a file (tests/test_file.c)"
+    print_lines release test_file 'bit flips caught'
+}
+
+# compare_bake NAME INPUT... [LSBAKE OPTION...]: bakes with gcc's and clang's build.
+compare_bake()
+{
+    local name=$1 preset
+    shift
+    for preset in release clang; do
+        run_logged "bytes/$preset-$name" "build/$preset/bin/lsbake" "$@" --force \
+            -o "build/bytes/$preset-$name.lspace" || return
+    done
+    cmp "build/bytes/release-$name.lspace" "build/bytes/clang-$name.lspace" &&
+        run_logged "bytes/check-$name" build/clang/bin/lsinfo check --full "build/bytes/release-$name.lspace"
+}
+
+# The bundled scene, and the tests' meshes alone and as instances at several settings.
+compare_bytes()
+{
+    rm -rf build/bytes
     mkdir -p build/bytes
-    run_logged "bake-$1" "build/$1/bin/lsbake" scenes/cornell.gltf scenes/bunny.ply --force \
-        -o "build/bytes/$1.lspace"
+    local scene scenes name grid patches same=0 differing=0
+    compare_bake cornell scenes/cornell.gltf scenes/bunny.ply || return
+    scenes=$(build/release/bin/write_scenes build/bytes) || return
+    for scene in $scenes; do
+        for grid in 5 9 24; do
+            patches=$((grid % 4 + 1))
+            name=$(basename "$scene" | tr . -)-$grid-$patches
+            if compare_bake "$name" "$scene" --grid "$grid" --patches "$patches"; then
+                same=$((same + 1))
+            else
+                echo "$name: gcc's and clang's builds differ"
+                differing=$((differing + 1))
+            fi
+            rm -f "build/bytes/"*"-$name.lspace"
+        done
+    done
+    echo "gcc and clang bake the same bytes of $same scenes and the bundled one, others of $differing; clang's" \
+        "reader takes gcc's files"
+    ((same > 0 && differing == 0))
 }
 
 install_packages "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
 
 build_and_test release
 
-echo "== clang"
-if build_preset clang && bake_scene release && bake_scene clang &&
-    cmp build/bytes/release.lspace build/bytes/clang.lspace &&
-    build/clang/bin/lsinfo check --full build/bytes/release.lspace; then
-    echo "gcc and clang bake the same bytes, and clang's reader takes gcc's file"
-    count_result passed bytes
-else
-    count_result failed "clang: the same bytes as gcc's"
-fi
-
-# Tests that trace on lavapipe carry the label "gpu": sanitized, they take minutes.
+# Tests that trace on lavapipe carry the label "gpu": they take minutes, sanitized above all.
 without_gpu=(--label-exclude gpu)
 if $full; then
     without_gpu=()
 fi
+
+build_and_test clang "${without_gpu[@]}"
+echo "== bytes"
+if compare_bytes; then
+    count_result passed bytes
+else
+    count_result failed "bytes: clang's the same as gcc's"
+fi
+
 build_and_test asan "${without_gpu[@]}"
 build_and_test ubsan "${without_gpu[@]}"
 build_and_test tsan --label-exclude gpu
 
+print_summary
 echo "$passed passed, $failed failed"
 ((failed == 0))

@@ -21,6 +21,9 @@
 
 #define DEFAULT_PATCHES 3
 
+// Part of what decides whether a file is current. Goes up whenever equal inputs give other bytes.
+#define BAKE_REVISION 1
+
 const char* ls_bake_stage_text(LsBakeStage stage)
 {
     static const char* const texts[] = {
@@ -260,8 +263,14 @@ static LsResult make_voxels(Bake* bake, LsError* error)
     return LS_OK;
 }
 
+static void note_tables(void* user, double fraction)
+{
+    note_progress(user, LS_BAKE_STAGE_LINESPACE, fraction);
+}
+
 static LsResult make_tables(Bake* bake, LsError* error)
 {
+    const LsTablesProgress progress = {.note = note_tables, .user = bake};
     for (uint32_t i = 0; i < bake->input.mesh_count; i++)
     {
         LsBakedObject* object = &bake->objects[i];
@@ -270,21 +279,34 @@ static LsResult make_tables(Bake* bake, LsError* error)
             continue;
         }
         LsResult result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i],
-                                           bake->patches, bake->threads, error);
+                                           bake->patches, bake->threads, &progress, error);
         if (result != LS_OK)
         {
             return result;
         }
         bake->report.shaft_count += object->tables.shaft_count;
         bake->report.filled_shaft_count += object->tables.filled_count;
-        note_progress(bake, LS_BAKE_STAGE_LINESPACE, (double)(i + 1) / bake->input.mesh_count);
     }
     return LS_OK;
 }
 
+// Nothing is written that readers would refuse: numbers that leave the range of float on their way.
+static LsResult check_pack(const Bake* bake, LsError* error)
+{
+    LsError broken = {0};
+    if (ls_file_desc_check(&bake->pack.desc, bake->desc->output, &broken) == LS_OK)
+    {
+        return LS_OK;
+    }
+    return ls_error_set(error, LS_ERROR_INPUT_RANGE,
+                        "%s: the scene has numbers that the file cannot hold (%.800s); scale it",
+                        bake->desc->inputs[0], broken.text);
+}
+
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    LsResult result =
+        ls_world_create(&bake->world, &bake->input, bake->meshes, bake->desc->inputs, error);
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,
@@ -306,6 +328,7 @@ static LsResult pack_all(Bake* bake, LsError* error)
     report->chunk_bytes[LS_CHUNK_##NAME] = sizeof(type) * (uint64_t)desc->NAME##_count;
         LS_CHUNK_LIST(LS_CHUNK_BYTES)
 #undef LS_CHUNK_BYTES
+        result = check_pack(bake, error);
     }
     return result;
 }

@@ -8,13 +8,13 @@
 float ls_float_below(double x)
 {
     float f = (float)x;
-    return (double)f > x ? nextafterf(f, -INFINITY) : f;
+    return ((double)f > x ? nextafterf(f, -INFINITY) : f) + 0.0f;
 }
 
 float ls_float_above(double x)
 {
     float f = (float)x;
-    return (double)f < x ? nextafterf(f, INFINITY) : f;
+    return ((double)f < x ? nextafterf(f, INFINITY) : f) + 0.0f;
 }
 
 static LsBox unite(const LsBox* boxes, const uint32_t* order, uint32_t count)

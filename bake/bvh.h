@@ -20,7 +20,8 @@ typedef struct LsBox
 uint32_t ls_bvh_build(const LsBox* boxes, uint32_t* order, uint32_t count, uint32_t leaf_size,
                       LsBvhNode* nodes);
 
-// The largest float not above x, the smallest not below.
+// The largest float not above x, the smallest not below; never -0, since compilers differ in the
+// sign of zero that fmin and fmax return.
 float ls_float_below(double x);
 float ls_float_above(double x);
 

@@ -4,11 +4,15 @@
 
 #include "bvh.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #define MAX_CONDITION 1e6
+// Largest magnitude of a stored matrix element and of world bounds: squares and sums of a few stay
+// finite in float.
+#define MAX_ELEMENT 1e18
 
 typedef struct Matrix
 {
@@ -100,28 +104,49 @@ static bool is_identity(const Matrix* matrix)
     return true;
 }
 
-static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t index, LsError* error)
+static bool is_storable(const Matrix* matrix)
+{
+    for (int i = 0; i < 12; i++)
+    {
+        if (!(fabs(matrix->m[i / 4][i % 4]) <= MAX_ELEMENT))
+        {
+            return false;
+        }
+    }
+    return true;
+}
+
+static LsResult place_instance(LsWorld* world, const LsInput* input, const char* const* names,
+                               uint32_t index, LsError* error)
 {
     const LsInputInstance* source = &input->instances[index];
+    const char* name = names[input->meshes[source->mesh].input_index];
     LsInstance* instance = &world->instances[index];
     Matrix placed;
     memcpy(placed.m, source->world_from_object, sizeof placed.m);
     double d = determinant(&placed);
     if (!isfinite(d) || d == 0.0)
     {
-        return ls_error_set(
-            error, LS_ERROR_INPUT_TRANSFORM,
-            "instance %u has a transform that cannot be inverted; give it a scale other than 0",
-            index);
+        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
+                            "%s: instance %u has a transform that cannot be inverted; give its "
+                            "node a scale other than 0",
+                            name, index);
     }
     Matrix inverse = invert(&placed);
     double condition = norm(&placed) * norm(&inverse);
     if (!(condition <= MAX_CONDITION))
     {
         return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
-                            "instance %u has a transform of condition number %.3g, above 1e6; "
+                            "%s: instance %u has a transform of condition number %.3g, above 1e6; "
                             "scale its axes more alike",
-                            index, condition);
+                            name, index, condition);
+    }
+    if (!is_storable(&placed) || !is_storable(&inverse))
+    {
+        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
+                            "%s: instance %u has a transform with numbers beyond 1e18, or its "
+                            "inverse has; scale the scene",
+                            name, index);
     }
     world->max_condition = fmax(world->max_condition, condition);
     *instance = (LsInstance){.object = source->mesh, .node = source->node, .mask = 255};
@@ -250,66 +275,74 @@ static double luminance(LsVec3 c)
     return 0.2126 * c.x + 0.7152 * c.y + 0.0722 * c.z;
 }
 
-// Every emissive triangle with an area that float can hold; selection by power.
+// Calls `take` for every emissive triangle with an area that float can hold.
+static void visit_lights(LsWorld* world, const LsInput* input, const LsMesh* meshes,
+                         void (*take)(LsWorld* world, LsLight light, double power, double* sum),
+                         double* sum)
+{
+    for (uint32_t i = 0; i < world->instance_count; i++)
+    {
+        const LsInstance* instance = &world->instances[i];
+        const LsMesh* mesh = &meshes[instance->object];
+        Matrix placed = load_rows(instance->world_from_object);
+        for (uint32_t k = 0; k < mesh->triangle_count; k++)
+        {
+            const LsMaterial* material = &input->materials[mesh->triangles[k].material];
+            if ((material->flags & LS_MATERIAL_EMISSIVE) == 0)
+            {
+                continue;
+            }
+            double area = world_area(&placed, &mesh->triangles[k]);
+            if (area >= FLT_MIN && area <= FLT_MAX)
+            {
+                LsLight light = {.instance = i, .triangle = k, .area = (float)area};
+                take(world, light, area * luminance(material->emission), sum);
+            }
+        }
+    }
+}
+
+static void count_light(LsWorld* world, LsLight light, double power, double* sum)
+{
+    (void)light;
+    world->light_count++;
+    sum[0] += power;
+}
+
+// sum[0]: of all powers; sum[1]: of those so far.
+static void store_light(LsWorld* world, LsLight light, double power, double* sum)
+{
+    sum[1] += power;
+    double cumulative = sum[1] / sum[0];
+    light.cumulative =
+        cumulative < FLT_MIN ? FLT_MIN : (cumulative < 1.0 ? (float)cumulative : 1.0f);
+    world->lights[world->light_count++] = light;
+}
+
+// Lists the lights; selection by power.
 static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* meshes,
                             LsError* error)
 {
-    uint64_t capacity = 0;
-    for (int pass = 0; pass < 2; pass++)
+    double sum[2] = {0.0, 0.0};
+    visit_lights(world, input, meshes, count_light, sum);
+    if (world->light_count == 0)
     {
-        double total = 0.0;
-        for (uint32_t i = 0; i < world->instance_count; i++)
-        {
-            const LsInstance* instance = &world->instances[i];
-            const LsMesh* mesh = &meshes[instance->object];
-            Matrix placed = load_rows(instance->world_from_object);
-            for (uint32_t k = 0; k < mesh->triangle_count; k++)
-            {
-                const LsMaterial* material = &input->materials[mesh->triangles[k].material];
-                if ((material->flags & LS_MATERIAL_EMISSIVE) == 0)
-                {
-                    continue;
-                }
-                float area = (float)world_area(&placed, &mesh->triangles[k]);
-                if (!(area > 0.0f))
-                {
-                    continue;
-                }
-                if (pass == 0)
-                {
-                    capacity++;
-                    continue;
-                }
-                // The running sum stands in `cumulative` until the total is known.
-                total += area * luminance(material->emission);
-                world->lights[world->light_count++] = (LsLight){
-                    .instance = i, .triangle = k, .area = area, .cumulative = (float)total};
-            }
-        }
-        if (pass == 0)
-        {
-            if (capacity == 0)
-            {
-                return LS_OK;
-            }
-            world->lights = capacity > UINT32_MAX ? NULL : malloc(sizeof(LsLight) * capacity);
-            if (world->lights == NULL)
-            {
-                return ls_error_set(error, LS_ERROR_MEMORY,
-                                    "out of memory for %llu emissive triangles",
-                                    (unsigned long long)capacity);
-            }
-        }
+        return LS_OK;
     }
-    float total = world->lights[world->light_count - 1].cumulative;
-    for (uint32_t i = 0; i < world->light_count; i++)
+    world->lights = malloc(sizeof(LsLight) * world->light_count);
+    if (world->lights == NULL)
     {
-        world->lights[i].cumulative /= total;
+        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u emissive triangles",
+                            world->light_count);
     }
+    world->light_count = 0;
+    visit_lights(world, input, meshes, store_light, sum);
+    world->lights[world->light_count - 1].cumulative = 1.0f;
     return LS_OK;
 }
 
-LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes, LsError* error)
+LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes,
+                         const char* const* names, LsError* error)
 {
     *world = (LsWorld){.instance_count = input->instance_count};
     world->instances = malloc(sizeof(LsInstance) * (input->instance_count + 1ull));
@@ -319,7 +352,7 @@ LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* mes
                                          input->instance_count);
     for (uint32_t i = 0; i < input->instance_count && result == LS_OK; i++)
     {
-        result = place_instance(world, input, i, error);
+        result = place_instance(world, input, names, i, error);
     }
     result = result == LS_OK ? make_top_level(world, meshes, input->mesh_count, error) : result;
     result = result == LS_OK ? list_lights(world, input, meshes, error) : result;

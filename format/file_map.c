@@ -154,3 +154,10 @@ void ls_mapping_close(LsMapping* mapping)
     }
     *mapping = (LsMapping){0};
 }
+
+bool ls_path_is_same(const char* a, const char* b)
+{
+    struct stat status_a, status_b;
+    return stat(a, &status_a) == 0 && stat(b, &status_b) == 0 &&
+           status_a.st_dev == status_b.st_dev && status_a.st_ino == status_b.st_ino;
+}

@@ -9,6 +9,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -274,6 +275,30 @@ uint64_t ls_file_desc_bytes(const LsFileDesc* desc)
     Plan plan;
     make_plan(&plan, desc);
     return plan.header.file_bytes;
+}
+
+LsResult ls_file_desc_check(const LsFileDesc* desc, const char* name, LsError* error)
+{
+    Plan plan;
+    make_plan(&plan, desc);
+    const LsHeader* header = &plan.header;
+    for (int axis = 0; axis < 3; ++axis)
+    {
+        if (!(isfinite(header->lower[axis]) && header->lower[axis] <= header->upper[axis] &&
+              isfinite(header->upper[axis])))
+        {
+            return ls_error_set(error, LS_ERROR_RULE, "%s: R2.9: world bounds not finite", name);
+        }
+    }
+    if (!(isfinite(header->transform_bound) && header->transform_bound >= 0))
+    {
+        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.10: transform bound not finite", name);
+    }
+    LsFile file = {.header = header, .entries = plan.entries};
+#define LS_CHUNK_SET(NAME, field, type, code) file.field = desc->field;
+    LS_CHUNK_LIST(LS_CHUNK_SET)
+#undef LS_CHUNK_SET
+    return ls_file_check(&file, name, error);
 }
 
 // Returns 0, or the errno. The magic comes last, so that no unfinished file passes for a whole one.

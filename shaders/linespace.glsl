@@ -21,6 +21,14 @@
 #include "scene.glsl"
 #include "triangle.glsl"
 
+// Set where a device ended a loop before its time: llvmpipe (Mesa 22.3) ends all loops of an
+// invocation, without a word, after 65535 rounds in sum. The answer is then not to be trusted. After
+// a loop its condition is asked again, in other words, lest the compiler knows the answer.
+bool ls_cut;
+
+// More rounds than a sound file can take.
+const uint LS_MAX_ROUNDS = 1u << 24;
+
 // Tests the references whose bit is set in `mask`. True if the ray may end.
 bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_reference, uint mask)
 {
@@ -34,6 +42,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
             return true;
         }
     }
+    ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
     return false;
 }
 
@@ -48,13 +57,14 @@ bool ls_test_four(inout LsLocalRay ray, inout LsBest best, uint number, uint las
     return done;
 }
 
-// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, since llvmpipe (Mesa
-// 22.3) ends all loops of an invocation, without a word, after 65535 rounds in sum.
+// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, to stay within
+// llvmpipe's rounds.
 bool ls_test_all(inout LsLocalRay ray, inout LsBest best)
 {
     uint count = LsObjectArray(ls_scene.objects).at[ray.object].triangle_count;
     uint round = LS_METHOD == LS_METHOD_BRUTE ? LS_BRUTE_ROUND : 1u;
-    for (uint i = 0u; i < count; i += round)
+    uint i = 0u;
+    for (; i < count; i += round)
     {
         bool done;
         if (LS_METHOD == LS_METHOD_BRUTE)
@@ -71,6 +81,7 @@ bool ls_test_all(inout LsLocalRay ray, inout LsBest best)
             return true;
         }
     }
+    ls_cut = ls_cut || int(i - count) < 0;
     return false;
 }
 
@@ -178,7 +189,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
     uint object_references = LS_FIRST(objects.at[ray.object].first_reference);
     uint first_shaft_word = LS_FIRST(objects.at[ray.object].first_shaft_word);
 
-    for (;;)
+    for (uint round = 0u; round < LS_MAX_ROUNDS; round++)
     {
         // What stands here: an empty cube with its planes, or a voxel.
         bool filled = false;
@@ -255,7 +266,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                 LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
                 uint first_node = LS_FIRST(objects.at[ray.object].first_leaf_node) + voxel.table;
                 uint node_count = nodes.at[first_node].escape;
-                for (uint i = 0u; i < node_count;)
+                uint i = 0u;
+                while (i < node_count)
                 {
                     LsBvhNode node = nodes.at[first_node + i];
                     float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
@@ -269,6 +281,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                     }
                     i = met ? i + 1u : node.escape;
                 }
+                ls_cut = ls_cut || int(i - node_count) < 0;
                 mask = 0u;
             }
             if (LS_HAS_MASKS != 0u && kind == LS_VOXEL_MASKS)
@@ -339,6 +352,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
             return false;
         }
     }
+    ls_cut = true;
+    return false;
 }
 
 // Traces a ray that is in its object's space. True if it may end.
@@ -396,44 +411,45 @@ uint ls_hit_triangle;
 // Traces one ray; SPEC chapter 7. `mask` selects instances (0xFF: all), `flags` are LS_RAY_FLAG_*.
 LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
 {
+    ls_cut = false;
     bool legal = ls_ray_is_legal(ray);
     float scale = ls_scale_ray(ray);
     LsBest best = LsBest(ray.tmax, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, LS_NONE);
-    if (!legal)
-    {
-    }
-    else if (LS_HAS_TOP_LEVEL == 0u)
+    if (legal && LS_HAS_TOP_LEVEL == 0u)
     {
         ls_trace_instance(ray, best, 0u, mask, flags);
     }
-    else if (LS_METHOD == LS_METHOD_BRUTE)
+    else if (legal && LS_METHOD == LS_METHOD_BRUTE)
     {
-        for (uint i = 0u; i < ls_scene.instance_count; i++)
+        bool done = false;
+        uint i = 0u;
+        for (; i < ls_scene.instance_count && !done; i++)
         {
-            if (ls_trace_instance(ray, best, i, mask, flags))
-            {
-                break;
-            }
+            done = ls_trace_instance(ray, best, i, mask, flags);
         }
+        ls_cut = ls_cut || (int(i - ls_scene.instance_count) < 0 && !done);
     }
-    else
+    else if (legal)
     {
         // Boxes grow with the ray's origin, whose rounding in object space grows with it; SPEC 7.3.
         LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.top_nodes);
         vec3 inverse = ls_inverse_direction(ray.direction);
         float pad = ls_scene.transform_bound * ls_max_component(abs(ray.origin));
         uint node_count = nodes.at[0].escape;
-        for (uint i = 0u; i < node_count;)
+        bool done = false;
+        uint i = 0u;
+        while (i < node_count && !done)
         {
             LsBvhNode node = nodes.at[i];
             bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad,
                                     ray.tmin, best.t);
-            if (met && node.leaf != 0u && ls_trace_instance(ray, best, node.leaf >> 4, mask, flags))
+            if (met && node.leaf != 0u)
             {
-                break;
+                done = ls_trace_instance(ray, best, node.leaf >> 4, mask, flags);
             }
             i = met ? i + 1u : node.escape;
         }
+        ls_cut = ls_cut || (int(i - node_count) < 0 && !done);
     }
 
     ls_hit_triangle = best.triangle;
@@ -447,7 +463,7 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     hit.object = best.object;
     hit.primitive = best.primitive;
     hit.material = best.material;
-    hit.reserved = 0u;
+    hit.flags = ls_cut ? LS_HIT_CUT : 0u;
     return hit;
 }
 

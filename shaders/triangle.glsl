@@ -46,8 +46,10 @@ bool ls_is_direction(vec3 d)
 
 bool ls_ray_is_legal(LsRay ray)
 {
+    // A tmax below 2^-126 is none: devices may take it for zero.
     return ls_is_finite(ray.origin) && ls_is_direction(ray.direction) && !ls_is_nan(ray.tmin) &&
-           !ls_is_nan(ray.tmax) && ray.tmin >= 0.0 && ray.tmax > ray.tmin;
+           !ls_is_nan(ray.tmax) && ray.tmin >= 0.0 && ray.tmax > ray.tmin &&
+           floatBitsToUint(ray.tmax) >= 0x00800000u;
 }
 
 // The nearest hit so far. t is in units of the scaled direction of ls_scale_ray.

@@ -10,7 +10,7 @@ foreach(call open64 posix_fallocate64 ftruncate64 pwrite64 fsync rename)
     target_link_options(test_write PRIVATE -Wl,--wrap=${call})
 endforeach()
 ls_add_test(NAME test_garbage SOURCES test_garbage.c LIBRARIES ls_file_fixture)
-ls_add_test(NAME test_roundtrip SOURCES test_roundtrip.c LIBRARIES ls_file_fixture)
+ls_add_test(NAME test_roundtrip SOURCES test_roundtrip.c LIBRARIES ls_file_fixture ls_test_scenes)
 pkg_check_modules(CJSON REQUIRED IMPORTED_TARGET libcjson)
 ls_add_test(NAME test_lsinfo SOURCES test_lsinfo.c LIBRARIES ls_file_fixture PkgConfig::CJSON
     ARGS $<TARGET_FILE:lsinfo>)

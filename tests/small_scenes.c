@@ -203,13 +203,43 @@ static void write_large(const char* path)
     free(triangles);
 }
 
+static void write_many(const char* path)
+{
+    LsTriangle triangles[2];
+    make_quad(triangles, 0, 0);
+    LsObject object = make_list(1, 3, 1);
+    LsInstance* instances = malloc(LS_MANY_INSTANCES * sizeof(*instances));
+    LsBvhNode* nodes = malloc((LS_MANY_INSTANCES + 1) * sizeof(*nodes));
+    assert_true(instances && nodes);
+    nodes[0] = make_node(-0.6f, 1, 1, LS_MANY_INSTANCES + 1, 0);
+    for (uint32_t i = 0; i < LS_MANY_INSTANCES; i++)
+    {
+        float move = i + 1 < LS_MANY_INSTANCES ? 0 : -0.6f;
+        instances[i] = make_instance(1, 1, move, 255);
+        nodes[i + 1] = make_node(move, move + 1, 1, i + 2, i << 4 | 1);
+    }
+    LsFileDesc desc = {
+        .instances = instances,
+        .INSTANCES_count = LS_MANY_INSTANCES,
+        .top_nodes = nodes,
+        .TOP_NODES_count = LS_MANY_INSTANCES + 1,
+        .triangles = triangles,
+        .TRIANGLES_count = 1,
+        .lower = {-0.6f, 0, 0},
+        .upper = {1, 1, 0},
+        .transform_bound = 0x1p-18f,
+    };
+    write_desc(&desc, &object, path);
+    free(instances);
+    free(nodes);
+}
+
 void ls_small_scene_write(LsSmallScene scene, const char* path)
 {
     static void (*const writers[LS_SMALL_COUNT])(const char*) = {
-        [LS_SMALL_LIST] = write_list,
-        [LS_SMALL_GRID] = write_grid,
-        [LS_SMALL_INSTANCES] = write_instances,
-        [LS_SMALL_LARGE] = write_large,
+        [LS_SMALL_LIST] = write_list,           [LS_SMALL_GRID] = write_grid,
+        [LS_SMALL_INSTANCES] = write_instances, [LS_SMALL_LARGE] = write_large,
+        [LS_SMALL_MANY] = write_many,
     };
     writers[scene](path);
 }

@@ -15,6 +15,7 @@ typedef enum LsSmallScene
     LS_SMALL_GRID,      // the quad at z = 0 and at z = -1 (3 and 5), one voxel with masks
     LS_SMALL_INSTANCES, // three instances of the quad: see below
     LS_SMALL_LARGE, // LS_LARGE_SIDE^2 triangles in a list: more than the staging ring holds at once
+    LS_SMALL_MANY,  // LS_MANY_INSTANCES of the quad's first half
     LS_SMALL_COUNT,
 } LsSmallScene;
 
@@ -23,6 +24,10 @@ typedef enum LsSmallScene
 
 // LS_SMALL_LARGE: triangle k is (x,y)(x+1,y)(x,y+1) at z = 0 with x = k % side, y = k / side.
 #define LS_LARGE_SIDE 576u
+
+// LS_SMALL_MANY: a ray down onto (0.25, 0.75) meets the boxes of all instances and hits the last
+// alone, which is moved to (-0.6,0,0).
+#define LS_MANY_INSTANCES 20000u
 
 // Writes the scene to `path`; fails the calling test if it cannot.
 void ls_small_scene_write(LsSmallScene scene, const char* path);

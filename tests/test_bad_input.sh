@@ -13,6 +13,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 cd "$work" || exit 1
 mkdir out a_folder
+standard_output=stdout.txt
 count=0
 wrong=0
 
@@ -28,7 +29,8 @@ check()
     local expected=$1 word=$2 before after result
     shift 2
     before=$(list_out)
-    "$programs/$1" "${@:2}" > stdout.txt 2> stderr.txt < /dev/null
+    : > stdout.txt
+    "$programs/$1" "${@:2}" > "$standard_output" 2> stderr.txt < /dev/null
     result=$?
     after=$(list_out)
     local complaints=()
@@ -61,6 +63,13 @@ check_full()
     check "$@"
     ulimit -S -f "$before"
     trap - XFSZ
+}
+
+# check_unheard COMMAND... : as check, with a standard output that takes nothing.
+check_unheard()
+{
+    local standard_output=/dev/full
+    check 3 "standard output" "$@"
 }
 
 # ---- Inputs -----------------------------------------------------------------------------------------
@@ -115,6 +124,8 @@ check_usage()
     check 1 "--frobnicate" "$1" --frobnicate
     check 1 "Z" "$1" -Z
     check 1 "help" "$1"
+    check_unheard "$1" --help
+    check_unheard "$1" --version
 }
 
 # Programs that read an .lspace file, given as the last word but for those in $tail.
@@ -233,6 +244,19 @@ check_bake()
     check 3 a_folder lsbake good.ply -o a_folder
     check 3 nowhere lsbake good.ply -o nowhere/scene.lspace
     check 3 good.ply lsbake good.ply -o good.ply/scene.lspace
+    # Before any scene is read.
+    check 3 nowhere lsbake cut.ply -o nowhere/scene.lspace
+    check 3 a_folder lsbake cut.ply -o a_folder
+    check 3 out/new/ lsbake cut.ply -o out/new/
+    check 3 /dev/null lsbake cut.ply -o /dev/null
+    # Outputs that are inputs, by their own name and by others.
+    cp good.ply out/scene.ply
+    ln -s scene.ply out/link.ply
+    ln out/scene.ply out/second_name.ply
+    for output in scene.ply ./scene.ply link.ply second_name.ply; do
+        check 1 "out/$output" lsbake out/scene.ply -o "out/$output"
+        check 1 "out/$output" lsbake good.ply out/scene.ply --force -o "out/$output"
+    done
     # More room than the thread sanitizer takes for itself, less than the bunny.
     for output in out/full.lspace out/older.lspace; do
         check_full 3000 3 "$output" lsbake "$scenes/bunny.ply" --grid 8 --patches 1 -o "$output"
@@ -240,7 +264,13 @@ check_bake()
     [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))
 
     "$programs/lsbake" good.ply -o good.lspace --quiet || wrong=$((wrong + 1))
+    check_unheard lsbake good.ply -o good.lspace
+    check_unheard lsbake good.ply -o good.lspace --force
+    check_unheard lsbake good.ply -o good.lspace --force --report json
     check_usage lsinfo
+    check_unheard lsinfo good.lspace
+    check_unheard lsinfo --json good.lspace
+    check_unheard lsinfo check good.lspace
     check 1 "--frobnicate" lsinfo check --frobnicate good.lspace
     local tail=()
     check_lspace lsinfo
@@ -278,6 +308,14 @@ check_runtime()
     check 2 odd.bin lstrace good.lspace --rays odd.bin -o out/older.bin
     check 3 a_folder lstrace good.lspace --rays rays.bin -o a_folder
     check 3 nowhere lstrace good.lspace --rays rays.bin -o nowhere/hits.bin
+    check 3 nowhere lstrace missing.lspace --rays rays.bin -o nowhere/hits.bin
+    check 3 a_folder lstrace good.lspace --rays odd.bin -o a_folder
+    cp good.lspace rays.bin out
+    ln -s rays.bin out/link.bin
+    check 1 out/good.lspace lstrace out/good.lspace --rays rays.bin -o out/good.lspace
+    check 1 out/link.bin lstrace good.lspace --rays out/rays.bin -o out/link.bin
+    check_unheard lstrace good.lspace --rays rays.bin -o -
+    check_unheard lstrace good.lspace --rays rays.bin -o hits.bin
     check_full 4 3 out/hits.bin lstrace good.lspace --rays rays.bin -o out/hits.bin --quiet
     check_full 4 3 out/older.bin lstrace good.lspace --rays rays.bin -o out/older.bin --quiet
 
@@ -294,6 +332,17 @@ check_runtime()
     done
     check 3 a_folder lsview --headless good.lspace -o a_folder
     check 3 nowhere lsview --headless good.lspace -o nowhere/picture.png
+    check 3 out/new/ lsview --headless good.lspace -o out/new/
+    check 3 a_folder lsview --headless missing.lspace -o out/picture.png --exr a_folder
+    check 3 /dev/null lsview --headless missing.lspace -o /dev/null
+    check 3 /dev/null lsview --headless missing.lspace -o out/picture.png --exr /dev/null
+    check 1 out/good.lspace lsview --headless out/good.lspace -o out/good.lspace
+    check 1 out/good.lspace lsview --headless out/good.lspace -o out/picture.png --exr out/good.lspace
+    ln -s older.png out/link.png
+    check 1 "--exr" lsview --headless good.lspace -o out/picture.png --exr out/picture.png
+    check 1 "--exr" lsview --headless good.lspace -o out/older.png --exr out/link.png
+    check_unheard lsview --headless good.lspace -o picture.png --size 16x9 --samples 1
+    check_unheard lsview --headless good.lspace -o picture.png --size 16x9 --samples 1 --report json
     local small=(--size 160x90 --samples 1 --quiet)
     check_full 4 3 out/picture.png lsview --headless good.lspace -o out/picture.png "${small[@]}"
     check_full 4 3 out/older.png lsview --headless good.lspace -o out/older.png "${small[@]}"

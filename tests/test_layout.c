@@ -99,7 +99,7 @@ static const Layout layouts[] = {
      sizeof(LsHit),
      {MEMBER(LsHit, t), MEMBER(LsHit, u), MEMBER(LsHit, v), MEMBER(LsHit, instance),
       MEMBER(LsHit, object), MEMBER(LsHit, primitive), MEMBER(LsHit, material),
-      MEMBER(LsHit, reserved)}},
+      MEMBER(LsHit, flags)}},
     {"LsTraceScene",
      sizeof(LsTraceScene),
      {MEMBER(LsTraceScene, objects), MEMBER(LsTraceScene, instances),

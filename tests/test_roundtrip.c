@@ -1,6 +1,7 @@
 // test_roundtrip.c - what is written is read, and written again it has equal bytes (SPEC 2.6);
 // every field of every chunk survives at its limits.
 
+#include "baked.h"
 #include "file_fixture.h"
 
 #include <float.h>
@@ -329,6 +330,69 @@ static void test_golden_file(void** state)
     ls_fixture_free(&golden);
 }
 
+// ---- Baked files --------------------------------------------------------------------------------
+
+typedef struct LsBakedCase
+{
+    LsTestMeshId mesh;
+    LsTestPlacement placement;
+    uint32_t grid, patches;
+} LsBakedCase;
+
+// Every kind of voxel and object, alone and under a top level.
+static const LsBakedCase BAKED_CASES[] = {
+    {LS_TEST_MESH_TEAPOT, LS_TEST_INSTANCES, 0, 0}, {LS_TEST_MESH_ELEPHANT, LS_TEST_ALONE, 20, 5},
+    {LS_TEST_MESH_STADIUM, LS_TEST_ALONE, 9, 3},    {LS_TEST_MESH_HUB, LS_TEST_INSTANCES, 8, 2},
+    {LS_TEST_MESH_SLIVERS, LS_TEST_ALONE, 13, 2},   {LS_TEST_MESH_FLAT, LS_TEST_INSTANCES, 20, 1},
+    {LS_TEST_MESH_ONE, LS_TEST_ALONE, 0, 0},
+};
+#define BAKED_CASE_COUNT (sizeof(BAKED_CASES) / sizeof(BAKED_CASES[0]))
+
+static uint64_t kind_count[4], list_object_count;
+
+// Opening a baked file checks it by every rule.
+static void bake_and_write_again(void** state)
+{
+    const LsBakedCase* c = *state;
+    LsTestMesh mesh = ls_test_mesh_make(c->mesh);
+    LsBaked baked;
+    ls_baked_open(&baked, &mesh, ls_test_mesh_name(c->mesh), c->placement, c->grid, c->patches, 0);
+    LsFixtureBytes bytes = ls_fixture_read(baked.path);
+    assert_int_equal(bytes.size, baked.report.file_bytes);
+    expect_round_trip(&bytes);
+    for (int kind = 0; kind < 4; ++kind)
+    {
+        kind_count[kind] += baked.report.voxel_kind_count[kind];
+    }
+    list_object_count += baked.report.list_object_count;
+    ls_fixture_free(&bytes);
+    ls_baked_close(&baked);
+    ls_test_mesh_destroy(&mesh);
+}
+
+static void baked_files_hold_every_kind(void** state)
+{
+    (void)state;
+    for (int kind = 0; kind < 4; ++kind)
+    {
+        assert_true(kind_count[kind] > 0);
+    }
+    assert_true(list_object_count > 0);
+}
+
+static int run_baked_group(void)
+{
+    struct CMUnitTest tests[BAKED_CASE_COUNT + 1];
+    for (size_t i = 0; i < BAKED_CASE_COUNT; ++i)
+    {
+        tests[i] = (struct CMUnitTest){.name = ls_test_mesh_name(BAKED_CASES[i].mesh),
+                                       .test_func = bake_and_write_again,
+                                       .initial_state = (void*)&BAKED_CASES[i]};
+    }
+    tests[BAKED_CASE_COUNT] = (struct CMUnitTest)cmocka_unit_test(baked_files_hold_every_kind);
+    return cmocka_run_group_tests_name("roundtrip of baked files", tests, NULL, NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -337,5 +401,6 @@ int main(void)
         cmocka_unit_test(test_grid_limits),       cmocka_unit_test(test_depth_limit),
         cmocka_unit_test(test_largest_tables),    cmocka_unit_test(test_golden_file),
     };
-    return cmocka_run_group_tests_name("roundtrip", tests, NULL, NULL);
+    const int failed = cmocka_run_group_tests_name("roundtrip", tests, NULL, NULL);
+    return failed + run_baked_group();
 }

@@ -150,7 +150,7 @@ static double measure_psnr(const float* a, const float* b, uint32_t width, uint3
     return -10.0 * log10(sum / (3.0 * width * height));
 }
 
-// The largest difference of a tile's mean, all channels together, as a fraction of b's.
+// The largest difference of a tile's mean of one channel, as a fraction of b's.
 static double measure_tiles(const float* a, const float* b, uint32_t width, uint32_t height)
 {
     double worst = 0.0;
@@ -158,20 +158,24 @@ static double measure_tiles(const float* a, const float* b, uint32_t width, uint
     {
         for (uint32_t x0 = 0; x0 < width; x0 += TILE)
         {
-            double sum_a = 0.0;
-            double sum_b = 0.0;
+            double sum_a[3] = {0};
+            double sum_b[3] = {0};
             for (uint32_t y = y0; y < y0 + TILE && y < height; y++)
             {
                 for (uint32_t x = x0; x < x0 + TILE && x < width; x++)
                 {
                     for (int c = 0; c < 3; c++)
                     {
-                        sum_a += clip(a[4 * ((size_t)y * width + x) + c]);
-                        sum_b += clip(b[4 * ((size_t)y * width + x) + c]);
+                        sum_a[c] += clip(a[4 * ((size_t)y * width + x) + c]);
+                        sum_b[c] += clip(b[4 * ((size_t)y * width + x) + c]);
                     }
                 }
             }
-            worst = fmax(worst, sum_a == sum_b ? 0.0 : fabs(sum_a - sum_b) / sum_b);
+            for (int c = 0; c < 3; c++)
+            {
+                const double difference = fabs(sum_a[c] - sum_b[c]);
+                worst = fmax(worst, difference == 0.0 ? 0.0 : difference / sum_b[c]);
+            }
         }
     }
     return worst;

@@ -5,9 +5,11 @@
 
 #include <cjson/cJSON.h>
 #include <errno.h>
+#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 static const char HELP[] =
@@ -164,6 +166,51 @@ static LsResult parse_arguments(Arguments* arguments, const char** inputs, int a
     return LS_OK;
 }
 
+// Finds before a long bake what would fail after it.
+static LsResult check_output(const char* path, LsError* error)
+{
+    struct stat status;
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
+    {
+        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: is %s; name a file to write", path,
+                            S_ISDIR(status.st_mode) ? "a directory" : "no regular file");
+    }
+    if (path[strlen(path) - 1] == '/')
+    {
+        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: names a directory; name a file in it",
+                            path);
+    }
+    char* copy = strdup(path);
+    if (copy == NULL)
+    {
+        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory");
+    }
+    const char* folder = dirname(copy);
+    LsResult result = LS_OK;
+    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
+    {
+        result = ls_error_set(error, LS_ERROR_OUTPUT,
+                              "%s: cannot be written; make the folder %s and allow writing to it",
+                              path, folder);
+    }
+    free(copy);
+    return result;
+}
+
+static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
+{
+    for (uint32_t i = 0; i < desc->input_count; i++)
+    {
+        if (ls_path_is_same(desc->inputs[i], desc->output))
+        {
+            return ls_error_set(error, LS_ERROR_ARGUMENT,
+                                "%s: the output would replace the scene %s; choose another name",
+                                desc->output, desc->inputs[i]);
+        }
+    }
+    return check_output(desc->output, error);
+}
+
 // A bar on the terminal's last line, rewritten in place.
 static void draw_progress(void* user, const char* stage, double fraction)
 {
@@ -315,6 +362,10 @@ int main(int argc, char** argv)
     LsResult result = parse_arguments(&arguments, inputs, argc, argv, &error);
     if (result == LS_OK && !arguments.done)
     {
+        result = check_paths(&arguments.desc, &error);
+    }
+    if (result == LS_OK && !arguments.done)
+    {
         int last = -1;
         if (!arguments.quiet && isatty(STDERR_FILENO))
         {
@@ -333,5 +384,10 @@ int main(int argc, char** argv)
         }
     }
     free(inputs);
+    if (result == LS_OK && (fflush(stdout) != 0 || ferror(stdout)))
+    {
+        result = ls_error_set(&error, LS_ERROR_OUTPUT,
+                              "standard output cannot be written; is the disk full?");
+    }
     return result == LS_OK ? 0 : fail(&error);
 }

@@ -267,11 +267,22 @@ Matrix Importer::read_transform(const tinygltf::Node& node, const std::string& n
 
 // Cameras ignore the scale of their node, as glTF asks. Orthographic ones have no place in the
 // format.
+// The tangent of an angle in (0, pi/2) by its continued fraction: the same bits from every compiler
+// and C library, since it reaches the file.
+static double find_tangent(double angle)
+{
+    const double square = angle * angle;
+    double below = 61.0;
+    for (int odd = 59; odd >= 1; odd -= 2)
+        below = odd - square / below;
+    return angle / below;
+}
+
 void Importer::add_camera(const tinygltf::Camera& camera, const Matrix& world_from_node)
 {
     if (camera.type != "perspective")
         return;
-    const double tan_half_y = std::tan(0.5 * camera.perspective.yfov);
+    const double tan_half_y = find_tangent(0.5 * camera.perspective.yfov);
     if (!(camera.perspective.yfov > 0.0 && camera.perspective.yfov < 3.14159) ||
         !(camera.perspective.aspectRatio >= 0.0))
         fail_format("a camera has a field of view outside 0 to pi, or a negative aspect ratio");

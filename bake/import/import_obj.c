@@ -311,7 +311,14 @@ static LsResult read_corner(const Reader* reader, const char** text, uint32_t ve
     return LS_OK;
 }
 
-// Second pass: vertices, faces and their materials.
+static LsResult report_change(const Reader* reader)
+{
+    return ls_error_set(reader->error, LS_ERROR_FILE_READ,
+                        "%s: changed while it was read; try again when nobody writes it",
+                        reader->path);
+}
+
+// Second pass: vertices, faces and their materials, no more and no fewer than the first counted.
 static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
                              MaterialNames* names)
 {
@@ -322,11 +329,17 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
     {
         bool is_end = false;
         LsResult result = read_line(reader, &is_end);
-        if (result != LS_OK || is_end)
+        if (result != LS_OK)
             return result;
+        if (is_end)
+            return vertex == mesh->vertex_count && triangle == mesh->triangle_count
+                       ? LS_OK
+                       : report_change(reader);
         const char* arguments;
         if ((arguments = find_arguments(reader->line, "v")))
         {
+            if (vertex == mesh->vertex_count)
+                return report_change(reader);
             if (!read_floats(arguments, &mesh->positions[3 * (size_t)vertex]))
                 return fail_line(reader, LS_ERROR_INPUT_FORMAT,
                                  "a vertex needs three numbers; export it again");
@@ -346,6 +359,8 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
                     return result;
                 if (i < 2)
                     continue;
+                if (triangle == mesh->triangle_count)
+                    return report_change(reader);
                 memcpy(&mesh->indices[3 * (size_t)triangle], corners, sizeof corners);
                 mesh->materials[triangle++] = material;
             }

@@ -555,7 +555,7 @@ int main(int argument_count, char** arguments)
     }
     if ((fflush(stdout) != 0 || ferror(stdout)) && code == LS_EXIT_OK)
     {
-        fprintf(stderr, "lsinfo: the output cannot be written; is the disk full?\n");
+        fprintf(stderr, "lsinfo: standard output cannot be written; is the disk full?\n");
         code = LS_EXIT_OUTPUT;
     }
     return code;

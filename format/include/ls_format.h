@@ -133,6 +133,10 @@ extern "C"
     LsResult ls_mapping_open(LsMapping* mapping, const char* path, LsError* error);
     void ls_mapping_close(LsMapping* mapping);
 
+    // Whether two paths lead to the same file, by whatever names and links; false if either is
+    // missing. For programs that must not write over what they read.
+    bool ls_path_is_same(const char* a, const char* b);
+
     // An opened file: pointers into the borrowed bytes, one array per chunk type; absent chunks are
     // NULL with count 0. Counts are in header->counts (ls_file_count).
     typedef struct LsFile

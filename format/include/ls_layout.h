@@ -222,9 +222,13 @@ LS_STRUCT(LsHit)
     uint32_t object;
     uint32_t primitive;
     uint32_t material;
-    uint32_t reserved; // 0
+    uint32_t flags; // 0, or LS_HIT_CUT
 };
 LS_SIZE(LsHit, 32);
+
+// The device ended a loop of the trace before its time, so the answer is not to be trusted:
+// llvmpipe (Mesa 22.3) does so after 65535 rounds of all loops of a ray. lstrace reports it.
+#define LS_HIT_CUT 1u
 
 // Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small
 // enough to travel as push constants beside a kernel's own.

@@ -34,7 +34,11 @@ extern "C"
     // Bytes that ls_file_write would write, for budgets and for checking space.
     uint64_t ls_file_desc_bytes(const LsFileDesc* desc);
 
-    // Writes `path` atomically: a temporary file in the same directory, zero in place of the magic
+    // Checks arrays by the rules that ls_file_open and ls_file_check would hold the written file to, so
+// that nobody publishes what readers refuse. Errors: RULE.
+LsResult ls_file_desc_check(const LsFileDesc* desc, const char* name, LsError* error);
+
+// Writes `path` atomically: a temporary file in the same directory, zero in place of the magic
     // until all else is on disk, fsync, rename, fsync of the directory. On failure nothing is left
     // behind and an older file of that name is untouched. A path that names a directory or a device
     // is refused; a link is followed. Errors: OUTPUT, OUTPUT_FULL, INPUT_LIMIT.

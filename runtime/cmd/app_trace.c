@@ -95,6 +95,22 @@ static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
     return result;
 }
 
+// No answer of a ray that the device gave up on passes for one.
+static LsResult check_whole(const LsAppTracer* tracer, const LsAppRun* run, LsError* error)
+{
+    const LsHit* hits = tracer->output.mapped;
+    for (uint32_t i = 0; i < run->ray_count; i++)
+    {
+        if ((hits[i].flags & LS_HIT_CUT) != 0)
+        {
+            return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+                                "the device ended the loops of a ray before their time, as llvmpipe "
+                                "does after 65535 rounds; the scene needs another device");
+        }
+    }
+    return LS_OK;
+}
+
 LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
                            const LsAppRun* run, double* seconds, LsError* error)
 {
@@ -112,5 +128,6 @@ LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
     }
     result = ls_app_commands_submit(device, commands, error);
     double unused;
-    return result != LS_OK ? result : ls_app_clock_read(device, seconds ? seconds : &unused, error);
+    result = result != LS_OK ? result : ls_app_clock_read(device, seconds ? seconds : &unused, error);
+    return result != LS_OK ? result : check_whole(tracer, run, error);
 }

@@ -63,7 +63,7 @@ typedef struct RayFile
 } RayFile;
 
 // Everything that lives while rays are traced.
-typedef struct Session
+typedef struct Trace
 {
     LsMapping mapping;
     LsFile file;
@@ -76,7 +76,7 @@ typedef struct Session
     uint64_t traced_count;
     uint64_t hit_count;
     double seconds[MAX_REPEATS]; // GPU time of each repeat over all batches
-} Session;
+} Trace;
 
 // ---- Arguments ---------------------------------------------------------------------------------
 
@@ -188,6 +188,13 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
     {
         return refuse_usage("-o is missing", "");
     }
+    if (strcmp(options->hits_path, "-") != 0 &&
+        (ls_path_is_same(options->hits_path, options->scene_path) ||
+         (strcmp(options->rays_path, "-") != 0 &&
+          ls_path_is_same(options->hits_path, options->rays_path))))
+    {
+        return refuse_usage("the hits would replace what is read: ", options->hits_path);
+    }
     *done = false;
     return LS_EXIT_OK;
 }
@@ -273,26 +280,26 @@ static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into
 
 // ---- Tracing -----------------------------------------------------------------------------------
 
-static LsResult open_scene_file(Session* session, const char* path, LsError* error)
+static LsResult open_scene_file(Trace* trace, const char* path, LsError* error)
 {
-    LsResult result = ls_mapping_open(&session->mapping, path, error);
+    LsResult result = ls_mapping_open(&trace->mapping, path, error);
     if (result != LS_OK)
     {
         return result;
     }
-    return ls_file_open(&session->file, session->mapping.bytes, session->mapping.size, path, error);
+    return ls_file_open(&trace->file, trace->mapping.bytes, trace->mapping.size, path, error);
 }
 
 // As many rays at a time as were asked for, are there, and fit.
-static LsResult create_tracer(Session* session, uint32_t batch, LsError* error)
+static LsResult create_tracer(Trace* trace, uint32_t batch, LsError* error)
 {
-    uint64_t capacity = session->device.max_buffer_bytes / LS_APP_TRACER_RAY_BYTES;
+    uint64_t capacity = trace->device.max_buffer_bytes / LS_APP_TRACER_RAY_BYTES;
     capacity = batch < capacity ? batch : capacity;
-    capacity = session->rays.ray_count < capacity ? session->rays.ray_count : capacity;
+    capacity = trace->rays.ray_count < capacity ? trace->rays.ray_count : capacity;
     for (;;)
     {
         LsResult result =
-            ls_app_tracer_create(&session->device, (uint32_t)capacity, &session->tracer, error);
+            ls_app_tracer_create(&trace->device, (uint32_t)capacity, &trace->tracer, error);
         if (result != LS_ERROR_DEVICE_MEMORY || capacity / 2 < SMALLEST_BATCH)
         {
             return result;
@@ -301,119 +308,118 @@ static LsResult create_tracer(Session* session, uint32_t batch, LsError* error)
     }
 }
 
-static LsResult open_session(Session* session, const Options* options, LsError* error)
+static LsResult open_trace(Trace* trace, const Options* options, LsError* error)
 {
-    LsResult result = open_scene_file(session, options->scene_path, error);
+    LsResult result = ls_out_file_open(&trace->hits, options->hits_path, error);
     if (result == LS_OK)
     {
-        result = open_rays(&session->rays, options->rays_path, error);
+        result = open_scene_file(trace, options->scene_path, error);
     }
     if (result == LS_OK)
     {
-        result = ls_out_file_open(&session->hits, options->hits_path, error);
+        result = open_rays(&trace->rays, options->rays_path, error);
     }
     if (result == LS_OK)
     {
         LsAppDeviceDesc desc = {.device_name = options->device_name};
-        result = ls_app_device_create(&session->device, &desc, error);
+        result = ls_app_device_create(&trace->device, &desc, error);
     }
     if (result == LS_OK)
     {
-        LsContextDesc desc = ls_app_context_desc(&session->device);
-        result = ls_context_create(&desc, &session->context, error);
+        LsContextDesc desc = ls_app_context_desc(&trace->device);
+        result = ls_context_create(&desc, &trace->context, error);
     }
     if (result == LS_OK)
     {
-        result = ls_scene_create(session->context, &session->file, options->scene_path,
-                                 &session->scene, error);
+        result = ls_scene_create(trace->context, &trace->file, options->scene_path, &trace->scene,
+                                 error);
     }
-    return result == LS_OK ? create_tracer(session, options->batch, error) : result;
+    return result == LS_OK ? create_tracer(trace, options->batch, error) : result;
 }
 
-static void close_session(Session* session)
+static void close_trace(Trace* trace)
 {
-    if (session->device.device)
+    if (trace->device.device)
     {
-        ls_app_tracer_destroy(&session->device, &session->tracer);
-        ls_scene_destroy(session->scene);
-        ls_context_destroy(session->context);
+        ls_app_tracer_destroy(&trace->device, &trace->tracer);
+        ls_scene_destroy(trace->scene);
+        ls_context_destroy(trace->context);
     }
-    ls_app_device_destroy(&session->device);
-    ls_out_file_drop(&session->hits);
-    if (session->rays.name && session->rays.descriptor >= 0)
+    ls_app_device_destroy(&trace->device);
+    ls_out_file_drop(&trace->hits);
+    if (trace->rays.name && trace->rays.descriptor >= 0)
     {
-        close(session->rays.descriptor);
+        close(trace->rays.descriptor);
     }
-    ls_mapping_close(&session->mapping);
+    ls_mapping_close(&trace->mapping);
 }
 
-static LsResult trace_batch(Session* session, const Options* options, uint32_t count,
-                            LsError* error)
+static LsResult trace_batch(Trace* trace, const Options* options, uint32_t count, LsError* error)
 {
     LsAppRun run = {.ray_count = count, .flags = options->flags, .method = options->method};
     uint32_t repeats = options->repeats ? options->repeats : 1;
     for (uint32_t i = 0; i < repeats; i++)
     {
         double seconds;
-        LsResult result = ls_app_tracer_run(&session->device, &session->tracer, session->scene,
-                                            &run, &seconds, error);
+        LsResult result =
+            ls_app_tracer_run(&trace->device, &trace->tracer, trace->scene, &run, &seconds, error);
         if (result != LS_OK)
         {
             return result;
         }
-        session->seconds[i] += seconds;
+        trace->seconds[i] += seconds;
     }
     for (uint32_t i = 0; i < count; i++)
     {
-        session->hit_count += session->tracer.hits[i].instance != LS_NONE;
+        trace->hit_count += trace->tracer.hits[i].instance != LS_NONE;
     }
-    session->traced_count += count;
-    return ls_out_file_write(&session->hits, session->tracer.hits, count * sizeof(LsHit), error);
+    trace->traced_count += count;
+    return ls_out_file_write(&trace->hits, trace->tracer.hits, count * sizeof(LsHit), error);
 }
 
-static void show_progress(const Session* session)
+static void show_progress(const Trace* trace)
 {
-    if (session->rays.ray_count == UINT64_MAX)
+    if (trace->rays.ray_count == UINT64_MAX)
     {
-        fprintf(stderr, "\rlstrace: %" PRIu64 " rays", session->traced_count);
+        fprintf(stderr, "\rlstrace: %" PRIu64 " rays", trace->traced_count);
     }
     else
     {
         fprintf(stderr, "\rlstrace: %3.0f %% of %" PRIu64 " rays",
-                100.0 * (double)session->traced_count / (double)session->rays.ray_count,
-                session->rays.ray_count);
+                100.0 * (double)trace->traced_count / (double)trace->rays.ray_count,
+                trace->rays.ray_count);
     }
     fflush(stderr);
 }
 
-static LsResult trace_rays(Session* session, const Options* options, LsError* error)
+static LsResult trace_rays(Trace* trace, const Options* options, LsError* error)
 {
     bool progress = !options->quiet && isatty(STDERR_FILENO);
     uint32_t count = 0;
     LsResult result;
     do
     {
-        result = read_rays(&session->rays, session->traced_count, session->tracer.rays,
-                           session->tracer.capacity, &count, error);
+        result = read_rays(&trace->rays, trace->traced_count, trace->tracer.rays,
+                           trace->tracer.capacity, &count, error);
         if (result == LS_OK && count > 0)
         {
-            result = trace_batch(session, options, count, error);
+            result = trace_batch(trace, options, count, error);
         }
         if (result == LS_OK && progress)
         {
-            show_progress(session);
+            show_progress(trace);
         }
-    } while (result == LS_OK && count == session->tracer.capacity);
+    } while (result == LS_OK && count == trace->tracer.capacity);
     if (progress)
     {
         fputs("\n", stderr);
     }
-    if (result == LS_OK && session->traced_count == 0)
+    if (result == LS_OK && trace->traced_count == 0)
     {
         result = ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes",
-                              session->rays.name);
+                              trace->rays.name);
     }
-    return result == LS_OK ? ls_out_file_commit(&session->hits, error) : result;
+    return result == LS_OK ? ls_out_file_commit(&trace->hits, error) : result;
 }
 
 // ---- Report ------------------------------------------------------------------------------------
@@ -426,26 +432,26 @@ static int compare_doubles(const void* a, const void* b)
 }
 
 // To standard output, or beside it when the hits go there.
-static void print_summary(Session* session, const Options* options)
+static void print_summary(Trace* trace, const Options* options)
 {
     FILE* stream = strcmp(options->hits_path, "-") == 0 ? stderr : stdout;
-    double rays = (double)session->traced_count;
+    double rays = (double)trace->traced_count;
     if (!options->quiet)
     {
-        fprintf(
-            stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n",
-            session->traced_count, session->hit_count, 100.0 * (double)session->hit_count / rays,
-            options->method == LS_TRACE_EXACT ? "exact" : "brute force",
-            options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit", session->device.name);
+        fprintf(stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n",
+                trace->traced_count, trace->hit_count, 100.0 * (double)trace->hit_count / rays,
+                options->method == LS_TRACE_EXACT ? "exact" : "brute force",
+                options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit",
+                trace->device.name);
     }
-    if (options->repeats && session->device.timestamp_seconds == 0)
+    if (options->repeats && trace->device.timestamp_seconds == 0)
     {
         fprintf(stream, "GPU time: unknown, the device has no timestamps\n");
     }
     else if (options->repeats)
     {
         uint32_t n = options->repeats;
-        double* s = session->seconds;
+        double* s = trace->seconds;
         qsort(s, n, sizeof(*s), compare_doubles);
         double median = (s[(n - 1) / 2] + s[n / 2]) / 2;
         fprintf(stream, "GPU time: median %.3f ms, min %.3f ms, max %.3f ms of %u; %.2f Mrays/s\n",
@@ -453,30 +459,40 @@ static void print_summary(Session* session, const Options* options)
     }
 }
 
-int main(int argc, char** argv)
+static LsExit run(const Options* options)
 {
-    Options options;
-    bool done;
-    LsExit code = parse_options(argc, argv, &options, &done);
-    if (done)
-    {
-        return code;
-    }
-    static Session session;
+    static Trace trace;
     LsError error;
-    LsResult result = open_session(&session, &options, &error);
+    LsResult result = open_trace(&trace, options, &error);
     if (result == LS_OK)
     {
-        result = trace_rays(&session, &options, &error);
+        result = trace_rays(&trace, options, &error);
     }
     if (result == LS_OK)
     {
-        print_summary(&session, &options);
+        print_summary(&trace, options);
     }
     else
     {
         fprintf(stderr, "lstrace: %s\n", error.text);
     }
-    close_session(&session);
+    close_trace(&trace);
     return ls_result_exit_code(result);
+}
+
+int main(int argc, char** argv)
+{
+    Options options;
+    bool done;
+    LsExit code = parse_options(argc, argv, &options, &done);
+    if (!done)
+    {
+        code = run(&options);
+    }
+    if (code == LS_EXIT_OK && (fflush(stdout) != 0 || ferror(stdout)))
+    {
+        fprintf(stderr, "lstrace: standard output cannot be written; is the disk full?\n");
+        code = LS_EXIT_OUTPUT;
+    }
+    return code;
 }

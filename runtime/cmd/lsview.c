@@ -46,6 +46,7 @@ typedef struct Options
     const char* device_name;
     uint32_t width, height, samples, depth, seed;
     bool headless, quiet, json;
+    bool done; // --help or --version was answered
 } Options;
 
 typedef struct Report
@@ -109,8 +110,7 @@ static bool read_whole(const char* text, uint32_t low, uint32_t high, uint32_t* 
     return read_number(text, text + strlen(text), low, high, number);
 }
 
-// Fills `options`; false with one line in `error` on wrong usage. --help and --version end the
-// program.
+// Fills `options`; false with one line in `error` on wrong usage.
 static bool parse_options(int argc, char** argv, Options* options, LsError* error)
 {
     enum
@@ -189,10 +189,12 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
             break;
         case OPTION_HELP:
             fputs(HELP, stdout);
-            exit(LS_EXIT_OK);
+            options->done = true;
+            return true;
         case OPTION_VERSION:
             puts("lsview " LS_VERSION_TEXT);
-            exit(LS_EXIT_OK);
+            options->done = true;
+            return true;
         case ':':
             ls_error_set(error, LS_ERROR_ARGUMENT,
                          "%s needs a value; lsview --help shows the options", argv[optind - 1]);
@@ -224,7 +226,8 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
     {
         complaint = "say with -o OUT.png where the picture goes";
     }
-    else if (options->exr && strcmp(options->exr, options->png) == 0)
+    else if (options->exr && (strcmp(options->exr, options->png) == 0 ||
+                              ls_path_is_same(options->exr, options->png)))
     {
         complaint = "-o and --exr name the same file";
     }
@@ -241,9 +244,15 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
 static LsResult check_output(const char* path, LsError* error)
 {
     struct stat status;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "%s is a directory; name a file to write",
+        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: is %s; name a file to write", path,
+                            S_ISDIR(status.st_mode) ? "a directory" : "no regular file");
+    }
+    size_t length = strlen(path);
+    if (length == 0 || path[length - 1] == '/')
+    {
+        return ls_error_set(error, LS_ERROR_OUTPUT, "\"%s\" names no file; name a file to write",
                             path);
     }
     char* copy = strdup(path);
@@ -253,7 +262,7 @@ static LsResult check_output(const char* path, LsError* error)
     }
     const char* folder = dirname(copy);
     LsResult result = LS_OK;
-    if (access(folder, W_OK | X_OK) != 0)
+    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
     {
         result = ls_error_set(error, LS_ERROR_OUTPUT,
                               "%s: cannot be written; make the folder %s and allow writing to it",
@@ -301,10 +310,6 @@ static LsResult write_pictures(LsRender* render, const Options* options, LsError
     if (result == LS_OK)
     {
         result = ls_image_write_png(rgba, options->width, options->height, options->png, error);
-        if (result != LS_OK && options->exr)
-        {
-            unlink(options->exr);
-        }
     }
     free(rgba);
     return result;
@@ -429,12 +434,23 @@ static bool print_json(const LsAppDevice* device, const Options* options, const 
     return text != NULL;
 }
 
+// The scene stays what it is, whatever the pictures are called.
+static LsResult check_picture(const char* path, const char* scene_path, LsError* error)
+{
+    if (ls_path_is_same(path, scene_path))
+    {
+        return ls_error_set(error, LS_ERROR_ARGUMENT,
+                            "%s: the picture would replace the scene; choose another name", path);
+    }
+    return check_output(path, error);
+}
+
 static LsResult run(const Options* options, double program_begin, LsError* error)
 {
-    LsResult result = check_output(options->png, error);
+    LsResult result = check_picture(options->png, options->input, error);
     if (result == LS_OK && options->exr)
     {
-        result = check_output(options->exr, error);
+        result = check_picture(options->exr, options->input, error);
     }
     if (result != LS_OK)
     {
@@ -487,7 +503,12 @@ int main(int argc, char** argv)
     LsResult result = LS_ERROR_ARGUMENT;
     if (parse_options(argc, argv, &options, &error))
     {
-        result = run(&options, program_begin, &error);
+        result = options.done ? LS_OK : run(&options, program_begin, &error);
+    }
+    if (result == LS_OK && (fflush(stdout) != 0 || ferror(stdout)))
+    {
+        result = ls_error_set(&error, LS_ERROR_OUTPUT,
+                              "standard output cannot be written; is the disk full?");
     }
     if (result != LS_OK)
     {

@@ -61,13 +61,18 @@ static LsResult open_temporary(LsOutFile* file, LsError* error)
 
 LsResult ls_out_file_open(LsOutFile* file, const char* name, LsError* error)
 {
-    *file = (LsOutFile){.name = name, .descriptor = -1};
+    bool standard_output = strcmp(name, "-") == 0;
+    *file = (LsOutFile){.name = standard_output ? "standard output" : name, .descriptor = -1};
     struct stat status;
     bool exists = stat(name, &status) == 0;
     LsResult result;
-    if (strcmp(name, "-") == 0)
+    if (standard_output)
     {
         result = open_directly(file, dup(STDOUT_FILENO), error);
+    }
+    else if (name[0] == '\0')
+    {
+        result = report_failure("the empty name", ENOENT, error);
     }
     else if (exists && S_ISDIR(status.st_mode))
     {

@@ -15,7 +15,7 @@
 // Zero when closed.
 typedef struct LsOutFile
 {
-    const char* name; // as given, for messages; borrowed
+    const char* name; // for messages: as given, borrowed, or "standard output"
     char* path;       // links followed; NULL when written directly
     char* temporary;  // NULL when written directly
     int descriptor;

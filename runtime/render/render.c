@@ -112,6 +112,7 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
     VkResult code = vkCreatePipelineLayout(device, &layout_info, NULL, &render->layout);
     if (code != VK_SUCCESS)
     {
+        render->layout = VK_NULL_HANDLE; // after a failure Vulkan leaves handles undefined
         return ls_app_vk_result(code, "vkCreatePipelineLayout", error);
     }
 
@@ -233,9 +234,16 @@ static LsResult resize_image(LsRender* render, uint32_t width, uint32_t height, 
     ls_app_buffer_destroy(device, &render->image);
     LsResult result =
         ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, bytes, &render->image, error);
-    return result == LS_OK ? ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, bytes,
-                                                  &render->readback, error)
-                           : result;
+    if (result == LS_OK)
+    {
+        result =
+            ls_app_buffer_create(device, LS_APP_MEMORY_READBACK, bytes, &render->readback, error);
+    }
+    if (result != LS_OK)
+    {
+        ls_app_buffer_destroy(device, &render->image);
+    }
+    return result;
 }
 
 LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset,
@@ -258,10 +266,16 @@ LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool*
     {
         return LS_OK;
     }
-    render->settings = *settings;
+    // No settings equal these: after a failure the same call tries again.
+    render->settings = (LsRenderSettings){0};
     render->sample_count = 0;
     memset(render->counters_readback.mapped, 0, sizeof(LsPathCounters));
-    return resize_image(render, settings->width, settings->height, error);
+    LsResult result = resize_image(render, settings->width, settings->height, error);
+    if (result == LS_OK)
+    {
+        render->settings = *settings;
+    }
+    return result;
 }
 
 LsResult ls_render_step(LsRender* render, uint32_t sample_count, LsError* error)

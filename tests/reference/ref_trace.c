@@ -266,7 +266,7 @@ static bool is_legal(const LsRay* ray)
 {
     return is_finite(ray->origin) && is_finite(ray->direction) &&
            largest_component(ray->direction) >= 0x1p-100f && ray->tmin >= 0.0f &&
-           ray->tmax > ray->tmin;
+           ray->tmax > ray->tmin && ray->tmax >= 0x1p-126f;
 }
 
 static float distance_outside(const LsObject* object, const float origin[3])
