@@ -96,6 +96,25 @@ static LsResult find_place(Output* output, LsError* error)
     return LS_OK;
 }
 
+LsResult ls_output_check(const char* path, LsError* error)
+{
+    Output output = {.name = path};
+    const LsResult result = find_place(&output, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    struct stat status;
+    if (stat(output.directory, &status) != 0 || !S_ISDIR(status.st_mode) ||
+        access(output.directory, W_OK | X_OK) != 0)
+    {
+        return ls_error_set(error, LS_ERROR_OUTPUT,
+                            "%s: cannot be written; make the folder %s and allow writing to it",
+                            path, output.directory);
+    }
+    return LS_OK;
+}
+
 // Opens the temporary file and sets room of `size` zero bytes aside in it.
 static LsResult open_output(Output* output, const char* path, uint64_t size, LsError* error)
 {

@@ -1,15 +1,13 @@
 // lsbake.c - arguments to a desc, one call, a report.
 
 #include "ls_bake.h"
-#include "ls_format.h"
+#include "ls_write.h"
 
 #include <cjson/cJSON.h>
 #include <errno.h>
-#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 static const char HELP[] =
@@ -166,37 +164,6 @@ static LsResult parse_arguments(Arguments* arguments, const char** inputs, int a
     return LS_OK;
 }
 
-// Finds before a long bake what would fail after it.
-static LsResult check_output(const char* path, LsError* error)
-{
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-    {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: is %s; name a file to write", path,
-                            S_ISDIR(status.st_mode) ? "a directory" : "no regular file");
-    }
-    if (path[strlen(path) - 1] == '/')
-    {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: names a directory; name a file in it",
-                            path);
-    }
-    char* copy = strdup(path);
-    if (copy == NULL)
-    {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory");
-    }
-    const char* folder = dirname(copy);
-    LsResult result = LS_OK;
-    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
-    {
-        result = ls_error_set(error, LS_ERROR_OUTPUT,
-                              "%s: cannot be written; make the folder %s and allow writing to it",
-                              path, folder);
-    }
-    free(copy);
-    return result;
-}
-
 static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
 {
     for (uint32_t i = 0; i < desc->input_count; i++)
@@ -208,7 +175,7 @@ static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
                                 desc->output, desc->inputs[i]);
         }
     }
-    return check_output(desc->output, error);
+    return ls_output_check(desc->output, error);
 }
 
 // A bar on the terminal's last line, rewritten in place.

@@ -1,15 +1,14 @@
 // lsview - renders an .lspace file; so far without a window.
 
 #include "image.h"
+#include "ls_write.h"
 #include "render.h"
 
 #include <cjson/cJSON.h>
 #include <getopt.h>
-#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -240,38 +239,6 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
     return true;
 }
 
-// Finds before a long render what would fail after it.
-static LsResult check_output(const char* path, LsError* error)
-{
-    struct stat status;
-    if (stat(path, &status) == 0 && !S_ISREG(status.st_mode))
-    {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: is %s; name a file to write", path,
-                            S_ISDIR(status.st_mode) ? "a directory" : "no regular file");
-    }
-    size_t length = strlen(path);
-    if (length == 0 || path[length - 1] == '/')
-    {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "\"%s\" names no file; name a file to write",
-                            path);
-    }
-    char* copy = strdup(path);
-    if (!copy)
-    {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory");
-    }
-    const char* folder = dirname(copy);
-    LsResult result = LS_OK;
-    if (stat(folder, &status) != 0 || !S_ISDIR(status.st_mode) || access(folder, W_OK | X_OK) != 0)
-    {
-        result = ls_error_set(error, LS_ERROR_OUTPUT,
-                              "%s: cannot be written; make the folder %s and allow writing to it",
-                              path, folder);
-    }
-    free(copy);
-    return result;
-}
-
 static void show_progress(void* user, const LsRender* render)
 {
     Progress* progress = user;
@@ -442,7 +409,7 @@ static LsResult check_picture(const char* path, const char* scene_path, LsError*
         return ls_error_set(error, LS_ERROR_ARGUMENT,
                             "%s: the picture would replace the scene; choose another name", path);
     }
-    return check_output(path, error);
+    return ls_output_check(path, error);
 }
 
 static LsResult run(const Options* options, double program_begin, LsError* error)
