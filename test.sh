@@ -148,8 +148,7 @@ else
     count_result failed "bytes: clang's the same as gcc's"
 fi
 
-build_and_test asan "${without_gpu[@]}"
-build_and_test ubsan "${without_gpu[@]}"
+build_and_test sanitize "${without_gpu[@]}"
 build_and_test tsan --label-exclude gpu
 
 print_summary

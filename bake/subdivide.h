@@ -4,7 +4,7 @@
 #ifndef LS_SUBDIVIDE_H
 #define LS_SUBDIVIDE_H
 
-#include "voxels.h"
+#include "grid_frame.h"
 
 // What lies below one voxel of the grid. All indices are local: blocks and voxels count from 0,
 // parents of the first block are LS_NONE. Owns its arrays; all empty for a voxel that stays whole

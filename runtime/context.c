@@ -1,7 +1,5 @@
 #include "context.h"
 
-#include "pipeline.h"
-
 #include <stdlib.h>
 
 LsResult ls_vulkan_result(VkResult code, const char* call, LsError* error)
@@ -174,12 +172,7 @@ static LsResult fill_context(const LsContextDesc* desc, LsContext* context, LsEr
     {
         return result;
     }
-    result = inspect_device(desc, &instance, context, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    return ls_trace_shader_create(context, error);
+    return inspect_device(desc, &instance, context, error);
 }
 
 LsResult ls_context_create(const LsContextDesc* desc, LsContext** context, LsError* error)
@@ -205,10 +198,5 @@ LsResult ls_context_create(const LsContextDesc* desc, LsContext** context, LsErr
 
 void ls_context_destroy(LsContext* context)
 {
-    if (!context)
-    {
-        return;
-    }
-    ls_trace_shader_destroy(context);
     free(context);
 }

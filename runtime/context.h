@@ -56,8 +56,6 @@ struct LsContext
     uint32_t max_group_count;      // work groups of one dispatch
     uint64_t max_loop_rounds;      // of one shader invocation, all loops together
     bool unified;                  // all memory is near the device and the host maps it
-    VkShaderModule trace_shader;
-    VkPipelineLayout trace_layout;
 };
 
 // Fills `error` for a failed Vulkan call ("vkQueueSubmit") and returns what `code` stands for:

@@ -1,50 +1,42 @@
+// pipeline.c - shader module to pipelines, specialized by method and features.
+
 #include "pipeline.h"
 
 #include "trace_spv.h"
 
-LsResult ls_trace_shader_create(LsContext* context, LsError* error)
+static LsResult create_module(const LsContext* context, VkShaderModule* module, LsError* error)
 {
-    VkShaderModuleCreateInfo module = {
+    VkShaderModuleCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
         .codeSize = sizeof(trace_spv),
         .pCode = trace_spv,
     };
-    VkResult code =
-        context->vk.CreateShaderModule(context->device, &module, NULL, &context->trace_shader);
-    if (code != VK_SUCCESS)
-    {
-        context->trace_shader = VK_NULL_HANDLE;
-        return ls_vulkan_result(code, "vkCreateShaderModule", error);
-    }
+    VkResult code = context->vk.CreateShaderModule(context->device, &info, NULL, module);
+    return ls_vulkan_result(code, "vkCreateShaderModule", error);
+}
+
+static LsResult create_layout(const LsContext* context, VkPipelineLayout* layout, LsError* error)
+{
     VkPushConstantRange push = {
         .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         .size = sizeof(LsTraceParams),
     };
-    VkPipelineLayoutCreateInfo layout = {
+    VkPipelineLayoutCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .pushConstantRangeCount = 1,
         .pPushConstantRanges = &push,
     };
-    code = context->vk.CreatePipelineLayout(context->device, &layout, NULL, &context->trace_layout);
+    VkResult code = context->vk.CreatePipelineLayout(context->device, &info, NULL, layout);
     if (code != VK_SUCCESS)
     {
-        context->trace_layout = VK_NULL_HANDLE;
-        ls_trace_shader_destroy(context);
-        return ls_vulkan_result(code, "vkCreatePipelineLayout", error);
+        *layout = VK_NULL_HANDLE;
     }
-    return LS_OK;
+    return ls_vulkan_result(code, "vkCreatePipelineLayout", error);
 }
 
-void ls_trace_shader_destroy(LsContext* context)
-{
-    context->vk.DestroyPipelineLayout(context->device, context->trace_layout, NULL);
-    context->vk.DestroyShaderModule(context->device, context->trace_shader, NULL);
-    context->trace_layout = VK_NULL_HANDLE;
-    context->trace_shader = VK_NULL_HANDLE;
-}
-
-LsResult ls_trace_pipeline_create(const LsContext* context, uint64_t features, LsMethod method,
-                                  VkPipeline* pipeline, LsError* error)
+static LsResult create_pipeline(const LsContext* context, VkShaderModule module,
+                                VkPipelineLayout layout, uint64_t features, LsMethod method,
+                                VkPipeline* pipeline, LsError* error)
 {
     // By constant id: the method, one per feature bit in order, the work group's size.
     enum
@@ -79,11 +71,11 @@ LsResult ls_trace_pipeline_create(const LsContext* context, uint64_t features, L
             {
                 .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
                 .stage = VK_SHADER_STAGE_COMPUTE_BIT,
-                .module = context->trace_shader,
+                .module = module,
                 .pName = "main",
                 .pSpecializationInfo = &specialization,
             },
-        .layout = context->trace_layout,
+        .layout = layout,
     };
     VkResult code = context->vk.CreateComputePipelines(context->device, VK_NULL_HANDLE, 1, &info,
                                                        NULL, pipeline);
@@ -93,4 +85,39 @@ LsResult ls_trace_pipeline_create(const LsContext* context, uint64_t features, L
         return ls_vulkan_result(code, "vkCreateComputePipelines", error);
     }
     return LS_OK;
+}
+
+LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, LsTraceKernel* kernel,
+                                LsError* error)
+{
+    *kernel = (LsTraceKernel){0};
+    VkShaderModule module;
+    LsResult result = create_module(context, &module, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    result = create_layout(context, &kernel->layout, error);
+    // Both methods now rather than at their first use, which may be on any thread.
+    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE && result == LS_OK; method++)
+    {
+        result = create_pipeline(context, module, kernel->layout, features, method,
+                                 &kernel->pipelines[method], error);
+    }
+    context->vk.DestroyShaderModule(context->device, module, NULL);
+    if (result != LS_OK)
+    {
+        ls_trace_kernel_destroy(context, kernel);
+    }
+    return result;
+}
+
+void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel)
+{
+    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE; method++)
+    {
+        context->vk.DestroyPipeline(context->device, kernel->pipelines[method], NULL);
+    }
+    context->vk.DestroyPipelineLayout(context->device, kernel->layout, NULL);
+    *kernel = (LsTraceKernel){0};
 }

@@ -1,6 +1,5 @@
 #include "scene.h"
 
-#include "pipeline.h"
 #include "upload.h"
 
 #include <stdlib.h>
@@ -106,11 +105,9 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     {
         result = upload_file(scene, &upload, file, name, error);
     }
-    // Both pipelines now rather than at their first use, which may be on any thread.
-    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE && result == LS_OK; method++)
+    if (result == LS_OK)
     {
-        result = ls_trace_pipeline_create(scene->context, scene->features, method,
-                                          &scene->pipelines[method], error);
+        result = ls_trace_kernel_create(scene->context, scene->features, &scene->kernel, error);
     }
     LsResult ended = ls_upload_end(&upload, result == LS_OK ? error : NULL);
     return result == LS_OK ? ended : result;
@@ -150,10 +147,7 @@ void ls_scene_destroy(LsScene* scene)
         return;
     }
     const LsContext* context = scene->context;
-    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE; method++)
-    {
-        context->vk.DestroyPipeline(context->device, scene->pipelines[method], NULL);
-    }
+    ls_trace_kernel_destroy(context, &scene->kernel);
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
     {
         ls_buffer_destroy(context, &scene->chunks[chunk]);

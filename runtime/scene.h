@@ -4,6 +4,7 @@
 #define LS_SCENE_H
 
 #include "buffer.h"
+#include "pipeline.h"
 
 struct LsScene
 {
@@ -12,7 +13,7 @@ struct LsScene
     LsBuffer chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
     LsBuffer table;                  // LsDeviceScene
     LsTraceScene trace;
-    VkPipeline pipelines[2]; // by LsMethod
+    LsTraceKernel kernel;
     uint64_t device_bytes;
     uint64_t brute_rounds; // of loops when a ray tests every triangle of every instance
 };

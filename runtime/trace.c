@@ -1,4 +1,3 @@
-#include "pipeline.h"
 #include "scene.h"
 
 static const uint32_t KNOWN_FLAGS =
@@ -57,7 +56,7 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
                             "choose a GPU or trace exactly");
     }
     context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                scene->pipelines[desc->method]);
+                                scene->kernel.pipelines[desc->method]);
 
     // One dispatch takes as many rays as the device allows work groups, but few enough that 32 bits
     // hold every byte offset in its arrays.
@@ -75,8 +74,8 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
             .ray_count = (uint32_t)(rest < limit ? rest : limit),
             .flags = desc->flags,
         };
-        context->vk.CmdPushConstants(commands, context->trace_layout, VK_SHADER_STAGE_COMPUTE_BIT,
-                                     0, sizeof(params), &params);
+        context->vk.CmdPushConstants(commands, scene->kernel.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                     sizeof(params), &params);
         uint32_t groups = (params.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE;
         context->vk.CmdDispatch(commands, groups, 1, 1);
     }

@@ -45,8 +45,8 @@ LsResult ls_render_create(const LsAppDevice* device, const LsScene* scene, const
 void ls_render_destroy(LsRender* render); // NULL is allowed
 
 // Takes settings over; the picture begins anew if they differ from those before, and then *reset
-// (may be NULL) is true. Errors: ARGUMENT, DEVICE_MEMORY, DEVICE, MEMORY; the render must then be
-// destroyed.
+// (may be NULL) is true. Errors: ARGUMENT, DEVICE_MEMORY, DEVICE, MEMORY; the call may then be made
+// again, with these or other settings.
 LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool* reset,
                        LsError* error);
 
