@@ -108,6 +108,22 @@ uint32_t ls_input_default_material(LsInput* input)
     return input->default_material - 1;
 }
 
+LsInputMesh* ls_input_add_plain_mesh(LsInput* input, uint32_t vertex_count, uint32_t triangle_count)
+{
+    const uint32_t material = ls_input_default_material(input);
+    LsInputMesh* mesh = ls_input_add_mesh(input, vertex_count, triangle_count);
+    LsInputInstance* instance = ls_input_add_instance(input);
+    if (material == LS_NONE || !mesh || !instance)
+        return NULL;
+    for (uint32_t i = 0; i < triangle_count; i++)
+        mesh->materials[i] = material;
+    instance->mesh = input->mesh_count - 1;
+    instance->node = LS_NONE;
+    for (size_t i = 0; i < 3; i++)
+        instance->world_from_object[i][i] = 1.0;
+    return mesh;
+}
+
 void ls_input_destroy(LsInput* input)
 {
     for (uint32_t i = 0; i < input->mesh_count; i++)
@@ -161,10 +177,8 @@ static Importer* find_importer(const char* path)
         const char* ending;
         Importer* importer;
     } importers[] = {
-        {".gltf", ls_import_gltf},
-        {".glb", ls_import_gltf},
-        {".obj", ls_import_obj},
-        {".ply", ls_import_openmesh},
+        {".gltf", ls_import_gltf},    {".glb", ls_import_gltf}, {".obj", ls_import_obj},
+        {".ply", ls_import_openmesh}, {".off", ls_import_off},  {".stl", ls_import_stl},
     };
     const char* name = strrchr(path, '/');
     const char* ending = strrchr(name ? name : path, '.');
@@ -181,8 +195,9 @@ LsResult ls_import(LsInput* input, const char* path, LsError* error)
         return readable;
     Importer* importer = find_importer(path);
     if (!importer)
-        return ls_error_set(error, LS_ERROR_INPUT_UNSUPPORTED,
-                            "%s: unknown ending; scenes end in .gltf, .glb, .obj or .ply", path);
+        return ls_error_set(
+            error, LS_ERROR_INPUT_UNSUPPORTED,
+            "%s: unknown ending; scenes end in .gltf, .glb, .obj, .ply, .off or .stl", path);
     const LsResult result = importer(input, path, error);
     input->file_count += 1;
     return result;

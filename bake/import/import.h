@@ -53,8 +53,8 @@ extern "C"
         uint32_t default_material; // index + 1 of the one of files without; 0: not there yet
     } LsInput;
 
-    // Appends the scene of one file; the ending chooses: .gltf .glb .obj .ply. Objects, materials
-    // and nodes are numbered after those already there. A file without materials uses a white
+    // Appends the scene of one file; the ending chooses: .gltf .glb .obj .ply .off .stl. Objects,
+    // materials and nodes are numbered after those already there. A file without materials uses a white
     // diffuse one (base colour 0.8), shared by all such. A mesh without triangles is left out; that
     // is no error here: the bake refuses a scene that has no triangle at all. After an error the
     // input is good for nothing but ls_input_destroy. Errors, each naming the file: FILE_MISSING,
@@ -75,11 +75,18 @@ extern "C"
     // use; LS_NONE when out of memory.
     uint32_t ls_input_default_material(LsInput* input);
 
-    // The shims: glTF and GLB through tinygltf, PLY through OpenMesh, OBJ by a reader of our own
-    // (import_obj.c says why). `path` is a readable file that is not empty.
+    // For the shims: appends a mesh of the default material and an instance of it as it lies, and
+    // returns the mesh, its positions and indices zero; NULL when out of memory.
+    LsInputMesh* ls_input_add_plain_mesh(LsInput* input, uint32_t vertex_count,
+                                         uint32_t triangle_count);
+
+    // The shims: glTF and GLB through tinygltf, PLY through OpenMesh, OBJ, OFF and STL by readers
+    // of our own (their files say why). `path` is a readable file that is not empty.
     LsResult ls_import_gltf(LsInput* input, const char* path, LsError* error);
     LsResult ls_import_openmesh(LsInput* input, const char* path, LsError* error);
     LsResult ls_import_obj(LsInput* input, const char* path, LsError* error);
+    LsResult ls_import_off(LsInput* input, const char* path, LsError* error);
+    LsResult ls_import_stl(LsInput* input, const char* path, LsError* error);
 
 #ifdef __cplusplus
 }

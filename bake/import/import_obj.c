@@ -7,6 +7,7 @@
 // normals, points, lines and curves are left.
 
 #include "import.h"
+#include "text_lines.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -17,76 +18,6 @@
 #include <string.h>
 
 // ---- Lines --------------------------------------------------------------------------------------
-
-typedef struct Reader
-{
-    FILE* file;
-    const char* path;
-    char* line; // owned: the last line read, without the space around its end
-    size_t line_capacity;
-    char* part; // owned: what getline fills
-    size_t part_capacity;
-    uint64_t line_number; // of the last line read, from 1
-    LsError* error;
-} Reader;
-
-static LsResult fail_line(const Reader* reader, LsResult result, const char* text)
-{
-    return ls_error_set(reader->error, result, "%s: line %llu: %s", reader->path,
-                        (unsigned long long)reader->line_number, text);
-}
-
-// Reads the next line, joined with those that it continues on by a backslash. *is_end is set behind
-// the last.
-static LsResult read_line(Reader* reader, bool* is_end)
-{
-    size_t length = 0;
-    for (;;)
-    {
-        errno = 0;
-        const ssize_t part_length = getline(&reader->part, &reader->part_capacity, reader->file);
-        if (part_length < 0)
-        {
-            if (errno == ENOMEM)
-                return fail_line(reader, LS_ERROR_MEMORY, "out of memory");
-            if (ferror(reader->file))
-                return ls_error_set(reader->error, LS_ERROR_FILE_READ, "%s: cannot be read: %s",
-                                    reader->path, strerror(errno));
-            *is_end = length == 0;
-            return LS_OK;
-        }
-        reader->line_number++;
-        if (memchr(reader->part, 0, (size_t)part_length))
-            return fail_line(reader, LS_ERROR_INPUT_FORMAT,
-                             "holds a zero byte: not an OBJ or MTL file");
-        if (length + (size_t)part_length + 1 > reader->line_capacity)
-        {
-            const size_t capacity = 2 * (length + (size_t)part_length + 1);
-            char* moved = realloc(reader->line, capacity);
-            if (!moved)
-                return fail_line(reader, LS_ERROR_MEMORY, "out of memory");
-            reader->line = moved;
-            reader->line_capacity = capacity;
-        }
-        memcpy(reader->line + length, reader->part, (size_t)part_length + 1);
-        length += (size_t)part_length;
-
-        while (length && isspace((unsigned char)reader->line[length - 1]))
-            reader->line[--length] = 0;
-        *is_end = false;
-        if (length == 0 || reader->line[length - 1] != '\\')
-            return LS_OK;
-        reader->line[length - 1] = ' ';
-    }
-}
-
-static void close_reader(Reader* reader)
-{
-    if (reader->file)
-        fclose(reader->file);
-    free(reader->line);
-    free(reader->part);
-}
 
 // What follows the keyword, or NULL if the line begins with another.
 static char* find_arguments(char* line, const char* keyword)
@@ -111,30 +42,11 @@ static const char* find_corners(char* line)
     return corners;
 }
 
-static bool read_floats(const char* text, float numbers[3])
-{
-    for (int i = 0; i < 3; i++)
-    {
-        char* end;
-        numbers[i] = strtof(text, &end);
-        if (end == text || (*end && !isspace((unsigned char)*end)))
-            return false;
-        text = end;
-    }
-    return true;
-}
-
 static uint32_t count_words(const char* text)
 {
     uint32_t count = 0;
-    while (*text)
-    {
+    for (; *text; text = ls_text_skip_word(text))
         count++;
-        while (*text && !isspace((unsigned char)*text))
-            text++;
-        while (isspace((unsigned char)*text))
-            text++;
-    }
     return count;
 }
 
@@ -153,7 +65,7 @@ typedef struct MaterialNames
 } MaterialNames;
 
 static LsResult add_named_material(MaterialNames* names, LsInput* input, const char* name,
-                                   const Reader* reader)
+                                   const LsTextLines* reader)
 {
     NamedMaterial* moved = realloc(names->names, (names->count + 1) * sizeof *moved);
     if (moved)
@@ -163,7 +75,7 @@ static LsResult add_named_material(MaterialNames* names, LsInput* input, const c
     if (!moved || !copy || !material)
     {
         free(copy);
-        return fail_line(reader, LS_ERROR_MEMORY, "out of memory");
+        return ls_text_lines_fail(reader, LS_ERROR_MEMORY, "out of memory");
     }
     material->base_color = (LsVec3){0.8f, 0.8f, 0.8f};
     material->roughness = 1.0f;
@@ -187,7 +99,7 @@ static void destroy_names(MaterialNames* names)
     free(names->names);
 }
 
-static LsResult read_mtl_line(Reader* reader, LsInput* input, MaterialNames* names)
+static LsResult read_mtl_line(LsTextLines* reader, LsInput* input, MaterialNames* names)
 {
     const char* arguments = find_arguments(reader->line, "newmtl");
     if (arguments)
@@ -198,13 +110,14 @@ static LsResult read_mtl_line(Reader* reader, LsInput* input, MaterialNames* nam
         return LS_OK;
     float color[3];
     if (names->count == 0)
-        return fail_line(reader, LS_ERROR_INPUT_FORMAT, "a colour stands before any newmtl");
-    if (!read_floats(arguments, color))
-        return fail_line(reader, LS_ERROR_INPUT_FORMAT, "a colour needs three numbers");
+        return ls_text_lines_fail(reader, LS_ERROR_INPUT_FORMAT,
+                                  "a colour stands before any newmtl");
+    if (!ls_text_read_floats(arguments, color))
+        return ls_text_lines_fail(reader, LS_ERROR_INPUT_FORMAT, "a colour needs three numbers");
     for (int i = 0; i < 3; i++)
     {
         if (!isfinite(color[i]))
-            return fail_line(reader, LS_ERROR_INPUT_FORMAT, "a colour is not finite");
+            return ls_text_lines_fail(reader, LS_ERROR_INPUT_FORMAT, "a colour is not finite");
         color[i] = fmaxf(color[i], 0.0f);
         if (!is_emission)
             color[i] = fminf(color[i], 1.0f);
@@ -224,26 +137,28 @@ static LsResult read_mtl_line(Reader* reader, LsInput* input, MaterialNames* nam
 
 // Reads a material library beside the OBJ. One that cannot be opened leaves its materials unknown,
 // and faces that use them get the default.
-static LsResult read_mtl(const Reader* obj, const char* name, LsInput* input, MaterialNames* names)
+static LsResult read_mtl(const LsTextLines* obj, const char* name, LsInput* input,
+                         MaterialNames* names)
 {
     const char* slash = strrchr(obj->path, '/');
     const size_t folder_length = slash && name[0] != '/' ? (size_t)(slash + 1 - obj->path) : 0;
     char* path = malloc(folder_length + strlen(name) + 1);
     if (!path)
-        return fail_line(obj, LS_ERROR_MEMORY, "out of memory");
+        return ls_text_lines_fail(obj, LS_ERROR_MEMORY, "out of memory");
     memcpy(path, obj->path, folder_length);
     strcpy(path + folder_length, name);
 
     LsResult result = LS_OK;
-    Reader reader = {.file = fopen(path, "r"), .path = path, .error = obj->error};
+    LsTextLines reader = {
+        .file = fopen(path, "r"), .path = path, .error = obj->error, .joins_lines = true};
     bool is_end = !reader.file;
     while (result == LS_OK && !is_end)
     {
-        result = read_line(&reader, &is_end);
+        result = ls_text_lines_next(&reader, &is_end);
         if (result == LS_OK && !is_end)
             result = read_mtl_line(&reader, input, names);
     }
-    close_reader(&reader);
+    ls_text_lines_close(&reader);
     free(path);
     return result;
 }
@@ -251,14 +166,14 @@ static LsResult read_mtl(const Reader* obj, const char* name, LsInput* input, Ma
 // ---- Geometry -----------------------------------------------------------------------------------
 
 // First pass: how much there is.
-static LsResult count_records(Reader* reader, uint32_t* vertex_count, uint32_t* triangle_count)
+static LsResult count_records(LsTextLines* reader, uint32_t* vertex_count, uint32_t* triangle_count)
 {
     uint64_t vertices = 0;
     uint64_t triangles = 0;
     for (;;)
     {
         bool is_end = false;
-        const LsResult result = read_line(reader, &is_end);
+        const LsResult result = ls_text_lines_next(reader, &is_end);
         if (result != LS_OK)
             return result;
         if (is_end)
@@ -268,8 +183,9 @@ static LsResult count_records(Reader* reader, uint32_t* vertex_count, uint32_t* 
         {
             const uint32_t count = count_words(corners);
             if (count < 3)
-                return fail_line(reader, LS_ERROR_INPUT_FORMAT,
-                                 "a face of fewer than three corners; remove it or export again");
+                return ls_text_lines_fail(
+                    reader, LS_ERROR_INPUT_FORMAT,
+                    "a face of fewer than three corners; remove it or export again");
             triangles += count - 2;
         }
         else if (find_arguments(reader->line, "v"))
@@ -288,13 +204,14 @@ static LsResult count_records(Reader* reader, uint32_t* vertex_count, uint32_t* 
 }
 
 // The vertex of a corner "v", "v/vt", "v//vn" or "v/vt/vn": from 1, or backwards from -1.
-static LsResult read_corner(const Reader* reader, const char** text, uint32_t vertices_so_far,
+static LsResult read_corner(const LsTextLines* reader, const char** text, uint32_t vertices_so_far,
                             uint32_t vertex_count, uint32_t* vertex)
 {
     char* end;
     const long long number = strtoll(*text, &end, 10);
     if (end == *text || (*end && *end != '/' && !isspace((unsigned char)*end)))
-        return fail_line(reader, LS_ERROR_INPUT_FORMAT, "a corner is no number; export it again");
+        return ls_text_lines_fail(reader, LS_ERROR_INPUT_FORMAT,
+                                  "a corner is no number; export it again");
     const long long index = number < 0 ? vertices_so_far + number : number - 1;
     if (index < 0 || index >= vertex_count)
         return ls_error_set(reader->error, LS_ERROR_INPUT_INDEX,
@@ -311,15 +228,8 @@ static LsResult read_corner(const Reader* reader, const char** text, uint32_t ve
     return LS_OK;
 }
 
-static LsResult report_change(const Reader* reader)
-{
-    return ls_error_set(reader->error, LS_ERROR_FILE_READ,
-                        "%s: changed while it was read; try again when nobody writes it",
-                        reader->path);
-}
-
 // Second pass: vertices, faces and their materials, no more and no fewer than the first counted.
-static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
+static LsResult read_records(LsTextLines* reader, LsInput* input, LsInputMesh* mesh,
                              MaterialNames* names)
 {
     uint32_t vertex = 0;
@@ -328,27 +238,27 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
     for (;;)
     {
         bool is_end = false;
-        LsResult result = read_line(reader, &is_end);
+        LsResult result = ls_text_lines_next(reader, &is_end);
         if (result != LS_OK)
             return result;
         if (is_end)
             return vertex == mesh->vertex_count && triangle == mesh->triangle_count
                        ? LS_OK
-                       : report_change(reader);
+                       : ls_text_lines_fail_change(reader);
         const char* arguments;
         if ((arguments = find_arguments(reader->line, "v")))
         {
             if (vertex == mesh->vertex_count)
-                return report_change(reader);
-            if (!read_floats(arguments, &mesh->positions[3 * (size_t)vertex]))
-                return fail_line(reader, LS_ERROR_INPUT_FORMAT,
-                                 "a vertex needs three numbers; export it again");
+                return ls_text_lines_fail_change(reader);
+            if (!ls_text_read_floats(arguments, &mesh->positions[3 * (size_t)vertex]))
+                return ls_text_lines_fail(reader, LS_ERROR_INPUT_FORMAT,
+                                          "a vertex needs three numbers; export it again");
             vertex++;
         }
         else if ((arguments = find_corners(reader->line)))
         {
             if (material == LS_NONE && (material = ls_input_default_material(input)) == LS_NONE)
-                return fail_line(reader, LS_ERROR_MEMORY, "out of memory");
+                return ls_text_lines_fail(reader, LS_ERROR_MEMORY, "out of memory");
             uint32_t corners[3] = {0};
             for (uint32_t i = 0; *arguments; i++)
             {
@@ -360,7 +270,7 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
                 if (i < 2)
                     continue;
                 if (triangle == mesh->triangle_count)
-                    return report_change(reader);
+                    return ls_text_lines_fail_change(reader);
                 memcpy(&mesh->indices[3 * (size_t)triangle], corners, sizeof corners);
                 mesh->materials[triangle++] = material;
             }
@@ -376,15 +286,14 @@ static LsResult read_records(Reader* reader, LsInput* input, LsInputMesh* mesh,
     }
 }
 
-static LsResult import_mesh(Reader* reader, LsInput* input, MaterialNames* names)
+static LsResult import_mesh(LsTextLines* reader, LsInput* input, MaterialNames* names)
 {
     uint32_t vertex_count = 0;
     uint32_t triangle_count = 0;
     const LsResult result = count_records(reader, &vertex_count, &triangle_count);
     if (result != LS_OK || triangle_count == 0)
         return result;
-    rewind(reader->file);
-    reader->line_number = 0;
+    ls_text_lines_rewind(reader);
 
     LsInputMesh* mesh = ls_input_add_mesh(input, vertex_count, triangle_count);
     LsInputInstance* instance = mesh ? ls_input_add_instance(input) : NULL;
@@ -400,13 +309,14 @@ static LsResult import_mesh(Reader* reader, LsInput* input, MaterialNames* names
 
 LsResult ls_import_obj(LsInput* input, const char* path, LsError* error)
 {
-    Reader reader = {.file = fopen(path, "r"), .path = path, .error = error};
+    LsTextLines reader = {
+        .file = fopen(path, "r"), .path = path, .error = error, .joins_lines = true};
     if (!reader.file)
         return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", path,
                             strerror(errno));
     MaterialNames names = {0};
     const LsResult result = import_mesh(&reader, input, &names);
     destroy_names(&names);
-    close_reader(&reader);
+    ls_text_lines_close(&reader);
     return result;
 }

@@ -422,23 +422,16 @@ void store_mesh(LsInput* input, const FaceCollector& faces)
         return;
     if (triangle_count >= LS_NONE)
         throw Failure{LS_ERROR_INPUT_LIMIT, "more than 4294967294 triangles; split the mesh"};
-    const uint32_t material = ls_input_default_material(input);
-    LsInputMesh* mesh = ls_input_add_mesh(input, static_cast<uint32_t>(faces.positions.size()),
-                                          static_cast<uint32_t>(triangle_count));
-    LsInputInstance* instance = ls_input_add_instance(input);
-    if (material == LS_NONE || !mesh || !instance)
+    LsInputMesh* mesh =
+        ls_input_add_plain_mesh(input, static_cast<uint32_t>(faces.positions.size()),
+                                static_cast<uint32_t>(triangle_count));
+    if (!mesh)
         throw std::bad_alloc();
     for (size_t i = 0; i < faces.positions.size(); i++)
         for (size_t axis = 0; axis < 3; axis++)
             mesh->positions[3 * i + axis] = faces.positions[i][axis];
     for (size_t i = 0; i < faces.indices.size(); i++)
         mesh->indices[i] = faces.indices[i];
-    for (size_t i = 0; i < triangle_count; i++)
-        mesh->materials[i] = material;
-    instance->mesh = input->mesh_count - 1;
-    instance->node = LS_NONE;
-    for (size_t i = 0; i < 3; i++)
-        instance->world_from_object[i][i] = 1.0;
 }
 
 } // namespace
