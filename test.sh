@@ -140,7 +140,7 @@ if $full; then
     without_gpu=()
 fi
 
-build_and_test clang "${without_gpu[@]}"
+build_and_test clang --parallel 2 "${without_gpu[@]}"
 echo "== bytes"
 if compare_bytes; then
     count_result passed bytes
@@ -148,8 +148,8 @@ else
     count_result failed "bytes: clang's the same as gcc's"
 fi
 
-build_and_test sanitize "${without_gpu[@]}"
-build_and_test tsan --label-exclude gpu
+build_and_test sanitize --parallel 2 "${without_gpu[@]}"
+build_and_test tsan --parallel 2 --label-exclude gpu
 
 print_summary
 echo "$passed passed, $failed failed"
