@@ -112,7 +112,7 @@ static LsResult import_all(Bake* bake, LsError* error)
 {
     for (uint32_t i = 0; i < bake->desc->input_count; i++)
     {
-        LsResult result = ls_import(&bake->input, bake->desc->inputs[i], error);
+        LsResult result = ls_import(&bake->input, bake->desc->inputs[i].path, error);
         if (result != LS_OK)
         {
             return result;
@@ -128,7 +128,7 @@ static LsResult import_all(Bake* bake, LsError* error)
     {
         return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
                             "%s: no triangles in the scene; nothing to bake",
-                            bake->desc->inputs[0]);
+                            bake->desc->inputs[0].path);
     }
     return LS_OK;
 }
@@ -160,7 +160,11 @@ static void hash_source(Bake* bake)
                             sizeof instance->world_from_object);
     }
     XXH3_128bits_update(&state, input->nodes, sizeof(LsSceneNode) * input->node_count);
-    XXH3_128bits_update(&state, input->materials, sizeof(LsMaterial) * input->material_count);
+    for (uint32_t i = 0; i < input->material_count; i++)
+    {
+        XXH3_128bits_update(&state, &input->materials[i].core, sizeof(LsMaterial));
+        XXH3_128bits_update(&state, &input->materials[i].surface, sizeof(LsSurface));
+    }
     XXH3_128bits_update(&state, input->cameras, sizeof(LsCamera) * input->camera_count);
     XXH128_canonical_t canonical;
     XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state));
@@ -197,8 +201,8 @@ static LsResult make_meshes(Bake* bake, LsError* error)
     for (uint32_t i = 0; i < count; i++)
     {
         LsInputMesh* source = &bake->input.meshes[i];
-        LsResult result = ls_mesh_create(&bake->meshes[i], source,
-                                         bake->desc->inputs[source->input_index], error);
+        LsResult result =
+            ls_mesh_create(&bake->meshes[i], source, bake->input.paths[source->input_index], error);
         if (result != LS_OK)
         {
             return result;
@@ -215,11 +219,11 @@ static LsResult make_meshes(Bake* bake, LsError* error)
         source->materials = NULL;
     }
     bake->report.triangle_count = triangles;
-    return triangles > 0
-               ? LS_OK
-               : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
-                              "%s: all %llu triangles are degenerate; nothing to bake",
-                              bake->desc->inputs[0], (unsigned long long)bake->report.face_count);
+    return triangles > 0 ? LS_OK
+                         : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                                        "%s: all %llu triangles are degenerate; nothing to bake",
+                                        bake->desc->inputs[0].path,
+                                        (unsigned long long)bake->report.face_count);
 }
 
 static void count_voxels(Bake* bake, const LsVoxels* voxels)
@@ -300,13 +304,12 @@ static LsResult check_pack(const Bake* bake, LsError* error)
     }
     return ls_error_set(error, LS_ERROR_INPUT_RANGE,
                         "%s: the scene has numbers that the file cannot hold (%.800s); scale it",
-                        bake->desc->inputs[0], broken.text);
+                        bake->desc->inputs[0].path, broken.text);
 }
 
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    LsResult result =
-        ls_world_create(&bake->world, &bake->input, bake->meshes, bake->desc->inputs, error);
+    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,

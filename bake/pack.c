@@ -54,9 +54,10 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
     pack->references = malloc((references + 1) * sizeof *pack->references);
     pack->leaf_nodes = malloc((leaf_nodes + 1) * sizeof *pack->leaf_nodes);
     pack->shafts = malloc((shafts + 1) * sizeof *pack->shafts);
+    pack->materials = malloc((input->material_count + 1ull) * sizeof *pack->materials);
     bool ok = pack->objects && pack->triangles && pack->blocks && pack->cell_blocks &&
               pack->subgrids && pack->voxels && pack->references && pack->leaf_nodes &&
-              pack->shafts;
+              pack->shafts && pack->materials;
     return ok ? LS_OK
               : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the arrays of the file");
 }
@@ -189,7 +190,11 @@ LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBa
     desc->LIGHTS_count = world->light_count;
     desc->nodes = input->nodes;
     desc->NODES_count = input->node_count;
-    desc->materials = input->materials;
+    for (uint32_t i = 0; i < input->material_count; i++)
+    {
+        pack->materials[i] = input->materials[i].core;
+    }
+    desc->materials = pack->materials;
     desc->MATERIALS_count = input->material_count;
     desc->cameras = input->cameras;
     desc->CAMERAS_count = input->camera_count;
@@ -210,5 +215,6 @@ void ls_pack_destroy(LsPack* pack)
     free(pack->references);
     free(pack->leaf_nodes);
     free(pack->shafts);
+    free(pack->materials);
     *pack = (LsPack){0};
 }

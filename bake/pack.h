@@ -28,6 +28,7 @@ typedef struct LsPack
     uint32_t* references;
     LsBvhNode* leaf_nodes;
     uint32_t* shafts;
+    LsMaterial* materials;
 } LsPack;
 
 // meshes, baked: input->mesh_count each. Each object's working arrays are freed as soon as they are

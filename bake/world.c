@@ -116,11 +116,10 @@ static bool is_storable(const Matrix* matrix)
     return true;
 }
 
-static LsResult place_instance(LsWorld* world, const LsInput* input, const char* const* names,
-                               uint32_t index, LsError* error)
+static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t index, LsError* error)
 {
     const LsInputInstance* source = &input->instances[index];
-    const char* name = names[input->meshes[source->mesh].input_index];
+    const char* name = input->paths[input->meshes[source->mesh].input_index];
     LsInstance* instance = &world->instances[index];
     Matrix placed;
     memcpy(placed.m, source->world_from_object, sizeof placed.m);
@@ -287,7 +286,7 @@ static void visit_lights(LsWorld* world, const LsInput* input, const LsMesh* mes
         Matrix placed = load_rows(instance->world_from_object);
         for (uint32_t k = 0; k < mesh->triangle_count; k++)
         {
-            const LsMaterial* material = &input->materials[mesh->triangles[k].material];
+            const LsMaterial* material = &input->materials[mesh->triangles[k].material].core;
             if ((material->flags & LS_MATERIAL_EMISSIVE) == 0)
             {
                 continue;
@@ -341,8 +340,7 @@ static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* 
     return LS_OK;
 }
 
-LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes,
-                         const char* const* names, LsError* error)
+LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes, LsError* error)
 {
     *world = (LsWorld){.instance_count = input->instance_count};
     world->instances = malloc(sizeof(LsInstance) * (input->instance_count + 1ull));
@@ -352,7 +350,7 @@ LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* mes
                                          input->instance_count);
     for (uint32_t i = 0; i < input->instance_count && result == LS_OK; i++)
     {
-        result = place_instance(world, input, names, i, error);
+        result = place_instance(world, input, i, error);
     }
     result = result == LS_OK ? make_top_level(world, meshes, input->mesh_count, error) : result;
     result = result == LS_OK ? list_lights(world, input, meshes, error) : result;

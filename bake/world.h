@@ -21,11 +21,11 @@ typedef struct LsWorld
     double max_condition;  // infinity norm condition number of the worst transform
 } LsWorld;
 
-// meshes: one per input mesh, same numbers; names: of the input files, for messages. Triangles must
+// meshes: one per input mesh, same numbers. Triangles must
 // have their final order, since lights name them. Errors: INPUT_TRANSFORM (not invertible, a condition
 // number above 1e6, numbers beyond 1e18), MEMORY.
 LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes,
-                         const char* const* names, LsError* error);
+                         LsError* error);
 void ls_world_destroy(LsWorld* world);
 
 #endif

@@ -6,11 +6,14 @@
 #include <stddef.h>
 #include <stdio.h>
 
-LsResult ls_error_set(LsError* error, LsResult result, const char* format, ...)
+LsResult ls_error_set(LsError* error, int message, const char* format, ...)
 {
+    // Until every place has its number, a bare LsResult is taken as well.
+    LsResult result = (LsResult)(message < 1000 ? message : message / 100);
     if (error != NULL)
     {
         error->result = result;
+        error->message = message < 1000 ? 0 : (uint32_t)message;
         va_list arguments;
         va_start(arguments, format);
         vsnprintf(error->text, sizeof(error->text), format, arguments);

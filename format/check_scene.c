@@ -466,7 +466,7 @@ static LsResult check_materials(const LsCheck* check)
             return ls_check_report(check, "R4.9", LS_CHUNK_MATERIALS, i, "flags 0x%x, but it %s",
                                    material->flags, emits ? "emits" : "does not emit");
         }
-        if (material->reserved0 != 0 || material->reserved1[0] != 0 || material->reserved1[1] != 0)
+        if (material->reserved0 != 0 || material->reserved1 != 0)
         {
             return ls_check_report(check, "R4.9", LS_CHUNK_MATERIALS, i,
                                    "a reserved word is not zero");

@@ -20,14 +20,15 @@ static inline uint64_t place_chunk(uint64_t end, uint64_t bytes)
 // Flags of the entry of a known chunk (R3.2).
 static inline uint32_t chunk_flags(LsChunk chunk)
 {
-    const bool optional =
-        chunk == LS_CHUNK_NODES || chunk == LS_CHUNK_LIGHTS || chunk == LS_CHUNK_CAMERAS;
+    const bool optional = chunk == LS_CHUNK_NODES || chunk == LS_CHUNK_LIGHTS ||
+                          chunk == LS_CHUNK_CAMERAS || chunk >= LS_CHUNK_SURFACES;
     return optional ? 0 : LS_ENTRY_REQUIRED;
 }
 
-// Required features (R2.14). `counts` as in the header.
+// Required features (R2.14). `counts` as in the header; the next two take those of every chunk type.
 static inline uint64_t derive_required_features(const LsObject* objects,
-                                                const LsInstance* instances, const uint32_t* counts)
+                                                const LsInstance* instances,
+                                                const uint32_t counts[LS_HEADER_COUNTS])
 {
     uint64_t features = 0;
     if (counts[LS_CHUNK_OBJECTS] > 1 || counts[LS_CHUNK_INSTANCES] > 1 ||
@@ -46,11 +47,28 @@ static inline uint64_t derive_required_features(const LsObject* objects,
 }
 
 // Optional features (R2.15).
-static inline uint64_t derive_optional_features(const uint32_t* counts)
+static inline uint64_t derive_optional_features(const uint32_t counts[LS_CHUNK_COUNT])
 {
     return (counts[LS_CHUNK_LIGHTS] > 0 ? LS_FEATURE_LIGHTS : 0) |
            (counts[LS_CHUNK_CAMERAS] > 0 ? LS_FEATURE_CAMERAS : 0) |
-           (counts[LS_CHUNK_NODES] > 0 ? LS_FEATURE_NODES : 0);
+           (counts[LS_CHUNK_NODES] > 0 ? LS_FEATURE_NODES : 0) |
+           (counts[LS_CHUNK_SURFACES] > 0 ? LS_FEATURE_SURFACES : 0) |
+           (counts[LS_CHUNK_ATTRIBUTES] > 0 ? LS_FEATURE_ATTRIBUTES : 0) |
+           (counts[LS_CHUNK_LAMPS] > 0 ? LS_FEATURE_LAMPS : 0) |
+           (counts[LS_CHUNK_ANIMATIONS] > 0 ? LS_FEATURE_ANIMATIONS : 0);
+}
+
+// The smallest minor that has all chunk types of a file (R2.3).
+static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT])
+{
+    for (int chunk = LS_CHUNK_SURFACES; chunk < LS_CHUNK_COUNT; ++chunk)
+    {
+        if (counts[chunk] > 0)
+        {
+            return 2;
+        }
+    }
+    return 1;
 }
 
 #endif

@@ -236,23 +236,21 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
                             "%s: R3.6: the last chunk ends at %llu, the file at %llu", name,
                             (unsigned long long)end, (unsigned long long)file->size);
     }
-    for (int i = 0; i < 16; ++i)
+    uint32_t counts[LS_CHUNK_COUNT] = {0};
+    for (int i = 0; i < LS_CHUNK_COUNT; ++i)
     {
-        const LsEntry* entry = i < LS_CHUNK_COUNT ? file->chunk_entries[i] : NULL;
-        const uint64_t count = entry != NULL ? entry->element_count : 0;
-        if (header->counts[i] != count)
+        const LsEntry* entry = file->chunk_entries[i];
+        counts[i] = entry != NULL ? (uint32_t)entry->element_count : 0;
+        if (i < LS_HEADER_COUNTS && header->counts[i] != counts[i])
         {
             return ls_error_set(error, LS_ERROR_RULE,
                                 "%s: R2.8: the header counts %u records of chunk type %d (%s), the "
-                                "directory %llu",
-                                name, header->counts[i], i,
-                                i < LS_CHUNK_COUNT ? chunk_infos[i].name : "unassigned",
-                                (unsigned long long)count);
+                                "directory %u",
+                                name, header->counts[i], i, chunk_infos[i].name, counts[i]);
         }
     }
-    const uint64_t optional = derive_optional_features(header->counts);
-    const uint64_t known = LS_FEATURE_LIGHTS | LS_FEATURE_CAMERAS | LS_FEATURE_NODES;
-    if ((header->optional_features & known) != optional)
+    const uint64_t optional = derive_optional_features(counts);
+    if ((header->optional_features & LS_FEATURE_OPTIONAL_ALL) != optional)
     {
         return ls_error_set(
             error, LS_ERROR_RULE, "%s: R2.15: optional features 0x%llx, the chunks say 0x%llx",

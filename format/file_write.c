@@ -216,6 +216,7 @@ typedef struct Plan
 {
     LsHeader header;
     LsEntry entries[LS_CHUNK_COUNT];
+    uint32_t counts[LS_CHUNK_COUNT]; // by chunk type
     const void* arrays[LS_CHUNK_COUNT];
 } Plan;
 
@@ -227,7 +228,11 @@ static void add_chunk(Plan* plan, LsChunk chunk, const void* array, uint32_t cou
     }
     assert(array != NULL);
     const LsChunkInfo info = ls_chunk_info(chunk);
-    plan->header.counts[chunk] = count;
+    plan->counts[chunk] = count;
+    if (chunk < LS_HEADER_COUNTS)
+    {
+        plan->header.counts[chunk] = count;
+    }
     LsEntry* entry = &plan->entries[plan->header.chunk_count];
     plan->arrays[plan->header.chunk_count++] = array;
     memcpy(entry->type, info.code, sizeof(entry->type));
@@ -245,13 +250,14 @@ static void make_plan(Plan* plan, const LsFileDesc* desc)
     LsHeader* header = &plan->header;
     memcpy(header->magic, LS_MAGIC, sizeof(header->magic));
     header->version_major = LS_FORMAT_MAJOR;
-    header->version_minor = LS_FORMAT_MINOR;
-    header->reader_minor = LS_FORMAT_MINOR;
     header->directory_offset = LS_HEADER_BYTES;
 #define LS_CHUNK_ADD(NAME, field, type, code) \
     add_chunk(plan, LS_CHUNK_##NAME, desc->field, desc->NAME##_count);
     LS_CHUNK_LIST(LS_CHUNK_ADD)
 #undef LS_CHUNK_ADD
+
+    header->version_minor = derive_minor(plan->counts);
+    header->reader_minor = header->version_minor;
 
     uint64_t end = LS_HEADER_BYTES + header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
     for (uint32_t i = 0; i < header->chunk_count; ++i)
@@ -262,8 +268,8 @@ static void make_plan(Plan* plan, const LsFileDesc* desc)
     header->file_bytes = end;
 
     header->required_features =
-        derive_required_features(desc->objects, desc->instances, header->counts);
-    header->optional_features = derive_optional_features(header->counts);
+        derive_required_features(desc->objects, desc->instances, plan->counts);
+    header->optional_features = derive_optional_features(plan->counts);
     memcpy(header->lower, desc->lower, sizeof(header->lower));
     memcpy(header->upper, desc->upper, sizeof(header->upper));
     header->transform_bound = desc->transform_bound;

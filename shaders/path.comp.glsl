@@ -23,7 +23,7 @@ layout(push_constant) uniform LsPush
     LsPathParams params;
 };
 
-layout(buffer_reference, std430, buffer_reference_align = 16) buffer LsImage
+layout(buffer_reference, std430, buffer_reference_align = 16) buffer LsPicture
 {
     vec4 at[];
 };
@@ -48,7 +48,7 @@ LsHit trace(vec3 origin, vec3 direction, float tmax, uint flags)
     return ls_trace_ray(LsRay(origin, 0.0, direction, tmax), 0xFFu, flags);
 }
 
-LsSurface load_surface(uint instance_index, uint triangle_index, vec2 weights)
+LsHitSurface load_surface(uint instance_index, uint triangle_index, vec2 weights)
 {
     LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
     uint object = instances.at[instance_index].object;
@@ -70,7 +70,7 @@ float luminance(vec3 color)
 }
 
 // Radiance that leaves the surface against `direction`, the way a ray came.
-vec3 emitted(LsMaterial material, LsSurface surface, vec3 direction)
+vec3 emitted(LsMaterial material, LsHitSurface surface, vec3 direction)
 {
     bool both = (material.flags & LS_MATERIAL_DOUBLE_SIDED) != 0u;
     bool seen = both || dot(surface.normal, direction) < 0.0;
@@ -97,13 +97,13 @@ uint choose_light(float random)
 // what a bounce would find there by the balance heuristic. With k = density * luminance the light
 // is sampled by k d^2 / cos_light, the bounce by cos / pi; the estimate is arranged so that it
 // stays finite as d goes to 0.
-vec3 sample_lights(LsSurface surface, vec3 normal, vec3 random)
+vec3 sample_lights(LsHitSurface surface, vec3 normal, vec3 random)
 {
     LsLightArray lights = LsLightArray(device_scene.lights);
     uint index = choose_light(random.x);
     LsLight light = lights.at[index];
     float probability = light.cumulative - (index == 0u ? 0.0 : lights.at[index - 1u].cumulative);
-    LsSurface emitter = load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
+    LsHitSurface emitter = load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
     uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
     uint triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle + light.triangle;
     uint material_index = LsTriangleArray(ls_scene.triangles).at[triangle].material;
@@ -177,7 +177,7 @@ bool extend_path(inout LsPath path, uint number, uint sample_index)
         path.radiance += LS_HAS_LIGHTS != 0u ? vec3(0.0) : path.throughput;
         return false;
     }
-    LsSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
+    LsHitSurface surface = load_surface(hit.instance, ls_hit_triangle, vec2(hit.u, hit.v));
     LsMaterial material = LsMaterialArray(device_scene.materials).at[hit.material];
     vec3 normal = dot(surface.normal, path.direction) < 0.0 ? surface.normal : -surface.normal;
 
@@ -239,7 +239,7 @@ vec3 average(vec3 mean, vec3 value, uint count)
 // loops).
 void add_samples(uvec2 pixel)
 {
-    LsImage image = LsImage(params.image);
+    LsPicture image = LsPicture(params.image);
     uint number = pixel.y * params.width + pixel.x;
     uint sample_index = params.first_sample;
     uint left = params.sample_count;

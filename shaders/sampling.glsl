@@ -80,7 +80,7 @@ vec2 ls_sample_triangle(vec2 random)
 }
 
 // A point on a triangle with what it takes to leave it.
-struct LsSurface
+struct LsHitSurface
 {
     vec3 position;
     vec3 normal; // unit; of the side from which the corners run counter-clockwise in object space
@@ -92,7 +92,7 @@ struct LsSurface
 //
 // The distance to keep follows from rounding alone, u = 2^-24: positions are off by a few u of the
 // largest term in their sums, and the triangle test by 16 u of the triangle's size (SPEC 7.6).
-LsSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weights,
+LsHitSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weights,
                      float transform_bound)
 {
     precise vec3 edge_b = triangle.v1 - triangle.v0;
@@ -101,7 +101,7 @@ LsSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weig
     vec3 reach = max(max(abs(triangle.v0), abs(triangle.v1)), abs(triangle.v2));
     vec3 span = max(max(abs(edge_b), abs(edge_c)), abs(triangle.v2 - triangle.v1));
 
-    LsSurface surface;
+    LsHitSurface surface;
     vec3 b;
     vec3 c;
     float largest = 0.0;

@@ -42,9 +42,9 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
         ls_test_mesh_write_gltf(mesh, source);
     }
 
-    const char* inputs[] = {source};
+    const LsBakeInput input = {.path = source};
     LsError error = {.result = LS_OK};
-    require(ls_bake_run(&(LsBakeDesc){.inputs = inputs,
+    require(ls_bake_run(&(LsBakeDesc){.inputs = &input,
                                       .input_count = 1,
                                       .output = baked->path,
                                       .grid = grid,

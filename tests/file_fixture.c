@@ -245,6 +245,92 @@ static void fill_objects(LsFixture* fixture)
     };
 }
 
+static void fill_looks(LsFixture* fixture)
+{
+    fixture->materials[1].surface = 1;
+    fixture->surfaces[0] = (LsSurface){.transmission = 0.5f,
+                                       .ior = 1.5f,
+                                       .alpha = 1,
+                                       .alpha_cutoff = 0.25f,
+                                       .normal_scale = 1,
+                                       .flags = LS_SURFACE_MASK,
+                                       .base_color_texture = 0,
+                                       .metallic_roughness_texture = LS_NONE,
+                                       .normal_texture = 1,
+                                       .emissive_texture = LS_NONE,
+                                       .transmission_texture = LS_NONE};
+    fixture->textures[0] =
+        (LsTexture){.row_u = {1, 0, 0, 0}, .row_v = {0, 1, 0, 0}, .flags = LS_TEXTURE_SRGB};
+    fixture->textures[1] = (LsTexture){.row_u = {2, 0, 0.5f, 0},
+                                       .row_v = {0, 2, 0, 0},
+                                       .image = 1,
+                                       .texcoord = 1,
+                                       .flags = LS_TEXTURE_CLAMP_U | LS_TEXTURE_MIRROR_V};
+    fixture->images[0] = (LsImage){.width = 2, .height = 1};
+    fixture->images[1] = (LsImage){.width = 1, .height = 3, .first_pixel = 2};
+    for (uint32_t i = 0; i < 5; ++i)
+    {
+        fixture->pixels[i] = 0xFF000000u + 0x101010u * i;
+    }
+    fixture->attributes[0] = (LsAttributes){0, {0, 6}, 0};
+    fixture->attributes[1] = (LsAttributes){LS_NONE, {LS_NONE, LS_NONE}, LS_NONE};
+    fixture->attributes[2] = (LsAttributes){LS_NONE, {LS_NONE, LS_NONE}, 6};
+    for (uint32_t i = 0; i < 6; ++i)
+    {
+        fixture->normals[i] = i == 5 ? LS_NONE : 1000 * i;
+    }
+    for (uint32_t i = 0; i < 12; ++i)
+    {
+        fixture->texcoords[i] = (LsTexcoord){0.25f * (float)i, 1 - (float)i};
+    }
+    for (uint32_t i = 0; i < 9; ++i)
+    {
+        fixture->colors[i] = (LsCornerColor){0x10002000 + i, 0xFFFF3000};
+    }
+    fixture->lamps[0] = (LsLamp){.position = {1, 2, 3},
+                                 .kind = LS_LAMP_POINT,
+                                 .direction = {0, 0, -1},
+                                 .range = 9,
+                                 .intensity = {1, 2, 3},
+                                 .node = 1,
+                                 .cos_inner = 1,
+                                 .cos_outer = -1};
+    fixture->lamps[1] = (LsLamp){.kind = LS_LAMP_SPOT,
+                                 .direction = {0, 1, 0},
+                                 .intensity = {5, 5, 5},
+                                 .node = LS_NONE,
+                                 .cos_inner = 0.75f,
+                                 .cos_outer = 0.5f};
+    fixture->lamps[2] = (LsLamp){.kind = LS_LAMP_DIRECTIONAL,
+                                 .direction = {1, 0, 0},
+                                 .intensity = {1, 1, 1},
+                                 .node = LS_NONE,
+                                 .cos_inner = 1,
+                                 .cos_outer = -1};
+}
+
+// One node that turns and stands still otherwise.
+static void fill_animation(LsFixture* fixture)
+{
+    static const float keys[22] = {0, 1, 2, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, // times, rotations
+                                   0, 1, 2, 3,                                  // translation
+                                   1, 1, 1};                                    // scale
+    memcpy(fixture->keys, keys, sizeof keys);
+    fixture->animations[0] = (LsAnimation){.channel_count = 3, .duration = 2};
+    fixture->channels[0] = (LsChannel){.node = 2,
+                                       .path = LS_PATH_TRANSLATION,
+                                       .key_count = 1,
+                                       .first_time = 15,
+                                       .first_value = 16};
+    fixture->channels[1] = (LsChannel){.node = 2,
+                                       .path = LS_PATH_ROTATION,
+                                       .interpolation = LS_INTERPOLATION_LINEAR,
+                                       .key_count = 3,
+                                       .first_value = 3};
+    fixture->channels[2] = (LsChannel){
+        .node = 2, .path = LS_PATH_SCALE, .key_count = 1, .first_time = 15, .first_value = 19};
+}
+
 void ls_fixture_fill(LsFixture* fixture)
 {
     *fixture = (LsFixture){0};
@@ -252,6 +338,8 @@ void ls_fixture_fill(LsFixture* fixture)
     fill_triangles(fixture);
     fill_grid(fixture);
     fill_objects(fixture);
+    fill_looks(fixture);
+    fill_animation(fixture);
     LsFileDesc* desc = &fixture->desc;
 #define FILL_CHUNK(NAME, array, type, code) \
     desc->array = fixture->array;           \

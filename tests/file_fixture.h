@@ -39,6 +39,18 @@ typedef struct LsFixture
     uint32_t references[LS_FIXTURE_REFERENCES];
     LsBvhNode leaf_nodes[6];
     uint32_t shafts[LS_FIXTURE_SHAFT_WORDS];
+    LsSurface surfaces[1];
+    LsTexture textures[2];
+    LsImage images[2]; // 2x1 and 1x3
+    uint32_t pixels[5];
+    LsAttributes attributes[3]; // of the first object all, of the second none, of the third colours
+    uint32_t normals[6];
+    LsTexcoord texcoords[12];
+    LsCornerColor colors[9];
+    LsLamp lamps[3];
+    LsAnimation animations[1];
+    LsChannel channels[3];
+    float keys[22];
 } LsFixture;
 
 // Always the same scene.

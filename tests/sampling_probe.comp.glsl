@@ -43,7 +43,7 @@ void main()
     result.sine = turn.y;
     vec2 weights = ls_sample_triangle(result.random.zw);
     result.weights = float[2](weights.x, weights.y);
-    LsSurface surface = ls_surface(probe.triangle, probe.instance.world_from_object,
+    LsHitSurface surface = ls_surface(probe.triangle, probe.instance.world_from_object,
                                    (probe.instance.flags & LS_INSTANCE_MIRRORED) != 0u, weights,
                                    probe.transform_bound);
     result.position = surface.position;

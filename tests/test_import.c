@@ -128,10 +128,10 @@ static void check_mesh(const LsInput* input)
         for (int j = 0; j < 4; j++)
             assert_true(input->instances[0].world_from_object[i][j] == (i == j ? 1.0 : 0.0));
     assert_int_equal(input->material_count, 1);
-    assert_true(input->materials[0].base_color.x == 0.8f);
-    assert_true(input->materials[0].base_color.y == 0.8f);
-    assert_true(input->materials[0].base_color.z == 0.8f);
-    assert_int_equal(input->materials[0].flags, 0);
+    assert_true(input->materials[0].core.base_color.x == 0.8f);
+    assert_true(input->materials[0].core.base_color.y == 0.8f);
+    assert_true(input->materials[0].core.base_color.z == 0.8f);
+    assert_int_equal(input->materials[0].core.flags, 0);
 }
 
 static void import_and_check_mesh(const char* name)
@@ -471,12 +471,12 @@ static void test_obj_forms(void** state)
     const uint32_t white = mesh->materials[0];
     const uint32_t red = mesh->materials[1];
     const uint32_t lamp = mesh->materials[2];
-    assert_true(input.materials[white].base_color.x == 0.8f);
-    assert_true(input.materials[red].base_color.x == 0.7f);
-    assert_true(input.materials[red].base_color.z == 0.2f);
-    assert_int_equal(input.materials[red].flags, 0);
-    assert_true(input.materials[lamp].emission.y == 4.5f);
-    assert_int_equal(input.materials[lamp].flags, LS_MATERIAL_EMISSIVE);
+    assert_true(input.materials[white].core.base_color.x == 0.8f);
+    assert_true(input.materials[red].core.base_color.x == 0.7f);
+    assert_true(input.materials[red].core.base_color.z == 0.2f);
+    assert_int_equal(input.materials[red].core.flags, 0);
+    assert_true(input.materials[lamp].core.emission.y == 4.5f);
+    assert_int_equal(input.materials[lamp].core.flags, LS_MATERIAL_EMISSIVE);
     assert_int_equal(mesh->materials[3], white);
     assert_int_equal(mesh->materials[4], white);
     ls_input_destroy(&input);
@@ -564,11 +564,11 @@ static void test_gltf_materials(void** state)
             assert_memory_equal(&mesh->indices[3 * (p * MESH_TRIANGLES + i)], mesh_indices[i], 12);
             assert_int_equal(mesh->materials[p * MESH_TRIANGLES + i], (p + 1) % 3);
         }
-    const LsMaterial* lamp = &input.materials[0];
+    const LsMaterial* lamp = &input.materials[0].core;
     assert_true(lamp->emission.x == 4.0f && lamp->emission.y == 2.0f && lamp->emission.z == 0.0f);
     assert_int_equal(lamp->flags, LS_MATERIAL_EMISSIVE | LS_MATERIAL_DOUBLE_SIDED);
     assert_true(lamp->base_color.x == 1.0f && lamp->metallic == 1.0f && lamp->roughness == 1.0f);
-    const LsMaterial* plain = &input.materials[1];
+    const LsMaterial* plain = &input.materials[1].core;
     assert_true(plain->base_color.x == 0.25f && plain->base_color.y == 0.5f &&
                 plain->base_color.z == 0.75f);
     assert_true(plain->metallic == 0.125f && plain->roughness == 0.375f);
@@ -963,7 +963,7 @@ static void test_cornell(void** state)
     assert_int_equal(input.meshes[0].triangle_count, 10);
     assert_int_equal(input.meshes[1].triangle_count, 2);
     assert_int_equal(input.material_count, 4);
-    assert_int_equal(input.materials[3].flags, LS_MATERIAL_EMISSIVE);
+    assert_int_equal(input.materials[3].core.flags, LS_MATERIAL_EMISSIVE);
     assert_int_equal(input.meshes[1].materials[0], 3);
     for (uint32_t i = 0; i < input.meshes[1].vertex_count; i++)
         assert_true(input.meshes[1].positions[3 * i + 1] == 0.99f);

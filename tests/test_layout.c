@@ -83,7 +83,7 @@ static const Layout layouts[] = {
      sizeof(LsMaterial),
      {MEMBER(LsMaterial, base_color), MEMBER(LsMaterial, flags), MEMBER(LsMaterial, emission),
       MEMBER(LsMaterial, reserved0), MEMBER(LsMaterial, metallic), MEMBER(LsMaterial, roughness),
-      MEMBER(LsMaterial, reserved1)}},
+      MEMBER(LsMaterial, surface)}},
     {"LsLight",
      sizeof(LsLight),
      {MEMBER(LsLight, instance), MEMBER(LsLight, triangle), MEMBER(LsLight, area),

@@ -223,8 +223,8 @@ static void test_reference_instances(void** state)
 static void test_reference_bunny(void** state)
 {
     (void)state;
-    static const char* const INPUTS[] = {LS_SOURCE_DIR "/scenes/cornell.gltf",
-                                         LS_SOURCE_DIR "/scenes/bunny.ply"};
+    static const LsBakeInput INPUTS[] = {{.path = LS_SOURCE_DIR "/scenes/cornell.gltf"},
+                                         {.path = LS_SOURCE_DIR "/scenes/bunny.ply"}};
     LsError error = {0};
     LsBakeDesc desc = {
         .inputs = INPUTS, .input_count = 2, .output = FOLDER "cornell.lspace", .force = true};

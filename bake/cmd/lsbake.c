@@ -100,7 +100,7 @@ static bool takes_value(const char* option)
 }
 
 // Inputs are gathered into `inputs`, which has room for all arguments.
-static LsResult parse_arguments(Arguments* arguments, const char** inputs, int argc, char** argv,
+static LsResult parse_arguments(Arguments* arguments, LsBakeInput* inputs, int argc, char** argv,
                                 LsError* error)
 {
     bool options_end = false;
@@ -109,7 +109,7 @@ static LsResult parse_arguments(Arguments* arguments, const char** inputs, int a
         const char* word = argv[i];
         if (options_end || word[0] != '-' || word[1] == '\0')
         {
-            inputs[arguments->desc.input_count++] = word;
+            inputs[arguments->desc.input_count++].path = word;
         }
         else if (strcmp(word, "--") == 0)
         {
@@ -167,11 +167,11 @@ static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
 {
     for (uint32_t i = 0; i < desc->input_count; i++)
     {
-        if (ls_path_is_same(desc->inputs[i], desc->output))
+        if (ls_path_is_same(desc->inputs[i].path, desc->output))
         {
             return ls_error_set(error, LS_ERROR_ARGUMENT,
                                 "%s: the output would replace the scene %s; choose another name",
-                                desc->output, desc->inputs[i]);
+                                desc->output, desc->inputs[i].path);
         }
     }
     return ls_output_check(desc->output, error);
@@ -319,7 +319,7 @@ int main(int argc, char** argv)
 {
     LsError error = {0};
     Arguments arguments = {0};
-    const char** inputs = calloc((size_t)argc, sizeof *inputs);
+    LsBakeInput* inputs = calloc((size_t)argc, sizeof *inputs);
     if (inputs == NULL)
     {
         ls_error_set(&error, LS_ERROR_MEMORY, "out of memory");

@@ -334,7 +334,7 @@ void Importer::add_materials()
         if (!(strength >= 0.0 && strength < 1e30))
             fail_format(name + " has an emissive strength that is negative or not finite");
 
-        LsMaterial* added = check_memory(ls_input_add_material(input));
+        LsMaterial* added = &check_memory(ls_input_add_material(input))->core;
         added->base_color = {clamp_factor(color[0]), clamp_factor(color[1]),
                              clamp_factor(color[2])};
         added->emission = {static_cast<float>(std::max(emissive[0], 0.0) * strength),

@@ -71,14 +71,12 @@ static LsResult add_named_material(MaterialNames* names, LsInput* input, const c
     if (moved)
         names->names = moved;
     char* copy = strdup(name);
-    LsMaterial* material = ls_input_add_material(input);
-    if (!moved || !copy || !material)
+    const bool is_added = ls_input_add_material(input) != NULL;
+    if (!moved || !copy || !is_added)
     {
         free(copy);
         return ls_text_lines_fail(reader, LS_ERROR_MEMORY, "out of memory");
     }
-    material->base_color = (LsVec3){0.8f, 0.8f, 0.8f};
-    material->roughness = 1.0f;
     names->names[names->count++] = (NamedMaterial){copy, input->material_count - 1};
     return LS_OK;
 }
@@ -122,7 +120,7 @@ static LsResult read_mtl_line(LsTextLines* reader, LsInput* input, MaterialNames
         if (!is_emission)
             color[i] = fminf(color[i], 1.0f);
     }
-    LsMaterial* material = &input->materials[names->names[names->count - 1].material];
+    LsMaterial* material = &input->materials[names->names[names->count - 1].material].core;
     if (!is_emission)
     {
         material->base_color = (LsVec3){color[0], color[1], color[2]};

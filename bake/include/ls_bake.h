@@ -20,18 +20,65 @@ extern "C"
     // Called as stages go on, from one thread at a time; fraction in [0,1] of the stage.
     typedef void LsProgress(void* user, const char* stage, double fraction);
 
+    // Called once for each warning, as ls_bake_run goes on: what the scene has and the file will not.
+    // `message` is an LsMessage of the 38xx, `text` names file, place and remedy and lives for the
+    // call.
+    typedef void LsWarn(void* user, uint32_t message, const char* text);
+
+    // Which axis of a file points up; the world's is +y.
+    typedef enum LsUpAxis
+    {
+        LS_UP_Y, // as it lies
+        LS_UP_Z, // (x, y, z) becomes (x, z, -y)
+        LS_UP_X, // (x, y, z) becomes (-y, x, z)
+    } LsUpAxis;
+
+    // A scene file and its place in the bake. Zero means default, but for the path. What is done, in
+    // this order: the file's own space is turned (up) and scaled (scale) and its faces turned round
+    // (flip), in the vertices themselves; then the whole is placed (size, turn, at) by a node above
+    // its own.
+    typedef struct LsBakeInput
+    {
+        const char* path; // the ending names the format
+        uint32_t scene;   // of a glTF file: number of the scene to take, plus 1; 0: its default
+        LsUpAxis up;
+        double scale; // > 0; 0: 1
+        bool flip;    // the corners of every face run the other way
+        bool is_at;   // `at` counts
+        double at[3]; // world: where the middle of the bottom of the file's bounding box goes
+        double size;  // world: length of the box's longest side; 0: as it is
+        double turn;  // degrees about the world's y axis, counter-clockwise seen from above
+        const char* materials; // JSON that overrides its materials, see README; NULL: none
+    } LsBakeInput;
+
+    // Where shading normals come from.
+    typedef enum LsNormalSource
+    {
+        LS_NORMALS_INPUT,  // those that the file gives, where it gives any
+        LS_NORMALS_NONE,   // none: every triangle has its own
+        LS_NORMALS_SMOOTH, // from the faces around a vertex that differ by no more than an angle
+    } LsNormalSource;
+
     // Input of a bake. Zero means default.
     typedef struct LsBakeDesc
     {
-        const char* const*
-            inputs; // scene files, put together as they lie; the ending names the format
+        const LsBakeInput* inputs; // put together, their objects numbered in order
         uint32_t input_count;
         const char* output; // .lspace file
         uint32_t
             grid; // G: cells along the longest side of an object's box, 1..4096; 0: by triangles
-        uint32_t patches; // N: patches per voxel side, 1..16; 0: 3
-        uint32_t threads; // 0: all processors
-        bool force;       // bake also when the output is up to date
+        uint32_t patches;     // N: patches per voxel side, 1..16; 0: 3
+        uint32_t threads;     // 0: all processors
+        bool force;           // bake also when the output is up to date
+        bool no_weld;         // vertices of equal position stay apart in the mesh stage
+        bool keep_degenerate; // faces without area are kept; no ray hits them
+        LsNormalSource normals;
+        double smooth_angle;    // degrees, for LS_NORMALS_SMOOTH
+        bool strict;            // a warning is an error
+        uint64_t max_memory;    // bytes of this process; 0: no limit
+        uint64_t max_triangles; // of all inputs together; 0: no limit
+        LsWarn* warn;
+        void* warn_user;
         LsProgress* progress;
         void* progress_user;
     } LsBakeDesc;
@@ -52,6 +99,21 @@ extern "C"
             LS_BAKE_STAGE_COUNT
     } LsBakeStage;
 
+    // What the mesh stage found, of one object or all. Vertices count as they are after welding.
+    typedef struct LsMeshReport
+    {
+        uint64_t input_vertex_count;
+        uint64_t vertex_count;     // after welding
+        uint64_t face_count;       // triangles of the input, polygons fanned
+        uint64_t degenerate_count; // no area, so no ray hits them
+        uint64_t duplicate_count;  // the corners of an earlier face, in any order
+        uint64_t inverted_count; // to be turned round for all neighbours to agree; the lesser part
+        uint64_t edge_count;
+        uint64_t boundary_edge_count;    // of one face
+        uint64_t nonmanifold_edge_count; // of three faces or more
+        uint64_t hole_count;             // loops of boundary edges
+    } LsMeshReport;
+
     // What a bake did. Counts are over all objects.
     typedef struct LsBakeReport
     {
@@ -60,14 +122,15 @@ extern "C"
         uint64_t face_count;       // triangles of the input, polygons fanned
         uint64_t degenerate_count; // dropped: no area, so no ray hits them
         uint64_t triangle_count;
+        LsMeshReport mesh;
         uint64_t cell_count; // cells of all grids, empty ones too
         uint64_t cell_block_count, voxel_count, subgrid_count, reference_count;
         uint64_t voxel_kind_count[4]; // by LS_VOXEL_*
         uint64_t list_object_count;
         uint64_t shaft_count, filled_shaft_count; // of stored tables
         uint32_t depth;
-        double max_condition; // largest condition number of an instance's transform
-        uint64_t chunk_bytes[16];
+        double max_condition;     // largest condition number of an instance's transform
+        uint64_t chunk_bytes[32]; // by LsChunk
         uint64_t file_bytes;
         uint64_t peak_memory_bytes; // of this process
         double stage_seconds[LS_BAKE_STAGE_COUNT];

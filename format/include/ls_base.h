@@ -42,6 +42,7 @@ extern "C"
     X(ERROR_INPUT_UNSUPPORTED, 35, "input of a kind that is not supported")            \
     X(ERROR_INPUT_TRANSFORM, 36, "ill-conditioned transform")                          \
     X(ERROR_INPUT_LIMIT, 37, "input exceeds a limit")                                  \
+    X(ERROR_INPUT_WARNING, 38, "a warning, refused by --strict")                       \
     X(ERROR_OUTPUT, 40, "file cannot be written")                                      \
     X(ERROR_OUTPUT_FULL, 41, "no space left for the output")                           \
     X(ERROR_NOT_LSPACE, 50, "not an .lspace file")                                     \
@@ -84,12 +85,13 @@ extern "C"
     typedef struct LsError
     {
         LsResult result;
+        uint32_t message; // an LsMessage (ls_messages.h): the stable number of this very wrong
         char text[1000];
     } LsError;
 
-    // Fills `error` (may be NULL) and returns `result`, so that `return ls_error_set(...)` reads
-    // well.
-    LsResult ls_error_set(LsError* error, LsResult result, const char* format, ...) LS_PRINTF(3, 4);
+    // Fills `error` (may be NULL) and returns the result of `message`, an LsMessage, so that `return
+    // ls_error_set(...)` reads well.
+    LsResult ls_error_set(LsError* error, int message, const char* format, ...) LS_PRINTF(3, 4);
 
     // Short static text of a code ("file not found"), never NULL.
     const char* ls_result_text(LsResult result);

@@ -23,7 +23,7 @@ extern "C"
 #endif
 
 #define LS_FORMAT_MAJOR 0
-#define LS_FORMAT_MINOR 1
+#define LS_FORMAT_MINOR 2
 
 #define LS_MAGIC_BYTES 16
 #define LS_HEADER_BYTES 256
@@ -33,6 +33,7 @@ extern "C"
     (16u << 20) // chunks this large are aligned to LS_LARGE_CHUNK_ALIGNMENT
 #define LS_LARGE_CHUNK_ALIGNMENT 65536
 #define LS_MAX_CHUNKS 4096
+#define LS_HEADER_COUNTS 16 // chunk types counted in the header; later ones in the directory alone
 #define LS_MAX_FILE_BYTES (1ull << 36) // default cap: 64 GiB
 
 // The chunk types in the order in which they lie in a file: NAME, view field, record, four
@@ -52,7 +53,19 @@ extern "C"
     X(VOXELS, voxels, LsVoxel, "VOXL")               \
     X(REFERENCES, references, uint32_t, "REFS")      \
     X(LEAF_NODES, leaf_nodes, LsBvhNode, "LEAF")     \
-    X(SHAFTS, shafts, uint32_t, "SHFT")
+    X(SHAFTS, shafts, uint32_t, "SHFT")              \
+    X(SURFACES, surfaces, LsSurface, "SURF")         \
+    X(TEXTURES, textures, LsTexture, "TEXR")         \
+    X(IMAGES, images, LsImage, "IMAG")               \
+    X(PIXELS, pixels, uint32_t, "PIXL")              \
+    X(ATTRIBUTES, attributes, LsAttributes, "ATTR")  \
+    X(NORMALS, normals, uint32_t, "NORM")            \
+    X(TEXCOORDS, texcoords, LsTexcoord, "TEXC")      \
+    X(COLORS, colors, LsCornerColor, "COLR")         \
+    X(LAMPS, lamps, LsLamp, "LAMP")                  \
+    X(ANIMATIONS, animations, LsAnimation, "ANIM")   \
+    X(CHANNELS, channels, LsChannel, "CHAN")         \
+    X(KEYS, keys, float, "KEYS")
 
     typedef enum LsChunk
     {
@@ -76,6 +89,11 @@ extern "C"
 #define LS_FEATURE_LIGHTS 1ull
 #define LS_FEATURE_CAMERAS 2ull
 #define LS_FEATURE_NODES 4ull
+#define LS_FEATURE_SURFACES 8ull    // materials with more than LsMaterial
+#define LS_FEATURE_ATTRIBUTES 16ull // normals, texture coordinates or colours at corners
+#define LS_FEATURE_LAMPS 32ull
+#define LS_FEATURE_ANIMATIONS 64ull
+#define LS_FEATURE_OPTIONAL_ALL 127ull
 
     // Stored. The first 256 bytes of a file.
     typedef struct LsHeader
@@ -89,7 +107,7 @@ extern "C"
         uint64_t optional_features;
         uint64_t file_bytes;
         uint64_t directory_offset; // LS_HEADER_BYTES
-        uint32_t counts[16];       // records per chunk type, in the order of LsChunk; the rest 0
+        uint32_t counts[16];       // records of the first 16 chunk types, in the order of LsChunk
         float lower[3];            // world bounds of all instances
         float upper[3];
         float transform_bound; // see LsDeviceScene
@@ -101,7 +119,6 @@ extern "C"
             hash[16]; // XXH3-128, big-endian (canonical), of header (this field 0) and directory
     } LsHeader;
     static_assert(sizeof(LsHeader) == LS_HEADER_BYTES, "the header is 256 bytes");
-    static_assert(LS_CHUNK_COUNT <= 16, "the header has sixteen counts");
 
 #define LS_ENTRY_REQUIRED 1u // a reader that does not know the type refuses the file
 
@@ -138,7 +155,7 @@ extern "C"
     bool ls_path_is_same(const char* a, const char* b);
 
     // An opened file: pointers into the borrowed bytes, one array per chunk type; absent chunks are
-    // NULL with count 0. Counts are in header->counts (ls_file_count).
+    // NULL with count 0 (ls_file_count).
     typedef struct LsFile
     {
         const uint8_t* bytes;
@@ -170,7 +187,12 @@ extern "C"
     // Records in a chunk.
     static inline uint32_t ls_file_count(const LsFile* file, LsChunk chunk)
     {
-        return file->header->counts[chunk];
+        if (chunk < LS_HEADER_COUNTS)
+        {
+            return file->header->counts[chunk];
+        }
+        const LsEntry* entry = file->chunk_entries[chunk];
+        return entry != NULL ? (uint32_t)entry->element_count : 0;
     }
 
     // Checks the contents of every chunk in one linear pass (SPEC chapters 4 to 6), after which

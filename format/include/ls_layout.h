@@ -173,7 +173,8 @@ LS_STRUCT(LsMaterial)
     uint32_t reserved0;
     float metallic;
     float roughness;
-    uint32_t reserved1[2];
+    uint32_t surface;   // 1 + index into SURFACES, or 0: there is no more to this material
+    uint32_t reserved1; // 0
 };
 LS_SIZE(LsMaterial, 48);
 
@@ -199,6 +200,144 @@ LS_STRUCT(LsCamera)
     uint32_t reserved[2];
 };
 LS_SIZE(LsCamera, 64);
+
+// ---- How surfaces look, optional -------------------------------------------------------------------
+
+// What a material has beyond LsMaterial: transmission, holes, textures. After glTF 2.0 and its
+// KHR_materials_transmission, _ior; a material that has none of it has no record.
+LS_STRUCT(LsSurface)
+{
+    float transmission; // [0,1]: share of what is not reflected that goes through
+    float ior;          // index of refraction, >= 1, or 0 for an infinite one (KHR_materials_ior)
+    float alpha;        // [0,1]: factor of the base colour's alpha
+    float alpha_cutoff; // >= 0; with LS_SURFACE_MASK, points of less alpha are holes
+    float normal_scale; // of the normal texture's x and y
+    uint32_t flags;     // LS_SURFACE_*
+    uint32_t base_color_texture;         // this and the next: index into TEXTURES, or LS_NONE
+    uint32_t metallic_roughness_texture; // roughness in green, metallic in blue
+    uint32_t normal_texture;             // tangent space, +y up
+    uint32_t emissive_texture;
+    uint32_t transmission_texture; // in red
+    uint32_t reserved;             // 0
+};
+LS_SIZE(LsSurface, 48);
+
+#define LS_SURFACE_MASK 1u // alphaMode MASK
+
+// A use of an image: which texture coordinates, how they are moved, how texels are read.
+LS_STRUCT(LsTexture)
+{
+    LsVec4 row_u; // u' = row_u.x * u + row_u.y * v + row_u.z; w is 0 (KHR_texture_transform)
+    LsVec4 row_v;
+    uint32_t image;    // index into IMAGES
+    uint32_t texcoord; // 0 or 1: which set of the object's texture coordinates
+    uint32_t flags;    // LS_TEXTURE_*
+    uint32_t reserved; // 0
+};
+LS_SIZE(LsTexture, 48);
+
+#define LS_TEXTURE_SRGB 1u // colours are stored by the sRGB transfer function; alpha is linear
+#define LS_TEXTURE_CLAMP_U 2u
+#define LS_TEXTURE_CLAMP_V 4u
+#define LS_TEXTURE_MIRROR_U 8u // without clamp or mirror the texture repeats
+#define LS_TEXTURE_MIRROR_V 16u
+#define LS_TEXTURE_NEAREST 32u // else bilinear
+
+#define LS_MAX_IMAGE_SIDE 16384
+
+// Pixels of an image: row by row from the top, v = 0 at the top, as glTF has it.
+LS_STRUCT(LsImage)
+{
+    uint32_t width; // 1..LS_MAX_IMAGE_SIDE
+    uint32_t height;
+    uint32_t first_pixel; // index into PIXELS: red in bits 0..7, green, blue, alpha
+    uint32_t reserved;    // 0
+};
+LS_SIZE(LsImage, 16);
+
+// Where an object's attributes begin: three records a triangle, in the order of TRIANGLES and its
+// corners, or LS_NONE where the object has none. There is one such record per object, or no chunk.
+LS_STRUCT(LsAttributes)
+{
+    uint32_t first_normal;      // index into NORMALS
+    uint32_t first_texcoord[2]; // indices into TEXCOORDS, sets 0 and 1
+    uint32_t first_color;       // index into COLORS
+};
+LS_SIZE(LsAttributes, 16);
+
+// NORMALS: unit vectors in object space, octahedral: two snorm16, x in the low half (Z. Cigolle et
+// al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014). The word
+// LS_NONE: this corner has none, the triangle's own normal counts.
+
+LS_STRUCT(LsTexcoord)
+{
+    float u;
+    float v;
+};
+LS_SIZE(LsTexcoord, 8);
+
+// Linear colour that multiplies the material's base colour and alpha: unorm16, low half first.
+LS_STRUCT(LsCornerColor)
+{
+    uint32_t red_green;
+    uint32_t blue_alpha;
+};
+LS_SIZE(LsCornerColor, 8);
+
+// A light without a surface, in world space (KHR_lights_punctual).
+LS_STRUCT(LsLamp)
+{
+    LsVec3 position;  // world; 0 for directional ones
+    uint32_t kind;    // LS_LAMP_*
+    LsVec3 direction; // world, unit length: where it shines; (0,0,-1) for points
+    float range;      // world units beyond which it gives no light; 0: unlimited
+    LsVec3 intensity; // linear: radiant intensity (W/sr), for directional ones irradiance (W/m^2)
+    uint32_t node;    // index into NODES, or LS_NONE
+    float cos_inner;  // spot: full within, none beyond cos_outer; else 1 and -1
+    float cos_outer;
+    uint32_t reserved[2]; // 0
+};
+LS_SIZE(LsLamp, 64);
+
+#define LS_LAMP_POINT 0u
+#define LS_LAMP_SPOT 1u
+#define LS_LAMP_DIRECTIONAL 2u
+
+// ---- Animation of nodes, optional; kept for later use ------------------------------------------------
+
+// Channels that play together.
+LS_STRUCT(LsAnimation)
+{
+    uint32_t first_channel; // index into CHANNELS
+    uint32_t channel_count;
+    float duration;    // seconds: the largest time of a key
+    uint32_t reserved; // 0
+};
+LS_SIZE(LsAnimation, 16);
+
+// One of translation, rotation, scale of one node over time. An animated node has all three in its
+// animation, those that stand still with one key: parent_from_node = T * R * S then needs nothing
+// else.
+LS_STRUCT(LsChannel)
+{
+    uint32_t node;          // index into NODES
+    uint32_t path;          // LS_PATH_*
+    uint32_t interpolation; // LS_INTERPOLATION_*
+    uint32_t key_count;     // >= 1
+    uint32_t first_time;    // index into KEYS: key_count seconds, rising, >= 0
+    uint32_t first_value;   // index into KEYS: per key 3 numbers, 4 for rotations (x y z w); cubic
+                            // splines have in-tangent, value, out-tangent, each of so many
+    uint32_t reserved[2];   // 0
+};
+LS_SIZE(LsChannel, 32);
+
+#define LS_PATH_TRANSLATION 0u
+#define LS_PATH_ROTATION 1u // unit quaternions
+#define LS_PATH_SCALE 2u
+
+#define LS_INTERPOLATION_STEP 0u
+#define LS_INTERPOLATION_LINEAR 1u // rotations spherically
+#define LS_INTERPOLATION_CUBIC 2u  // glTF 2.0, appendix C.5
 
 // ---- Part 2: per dispatch, never stored ---------------------------------------------------------
 

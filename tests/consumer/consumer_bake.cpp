@@ -9,9 +9,10 @@ int main(int argc, char** argv)
     {
         return LS_EXIT_USAGE;
     }
-    const char* const inputs[] = {argv[1]};
+    LsBakeInput input{};
+    input.path = argv[1];
     LsBakeDesc desc{};
-    desc.inputs = inputs;
+    desc.inputs = &input;
     desc.input_count = 1;
     desc.output = argv[2];
     LsError error;
