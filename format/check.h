@@ -25,6 +25,8 @@ LsResult ls_check_report(const LsCheck* check, const char* rule, LsChunk chunk, 
 LsResult ls_check_scene(const LsCheck* check);
 LsResult ls_check_lights(const LsCheck* check); // after the triangles of all objects
 LsResult ls_check_triangles(const LsCheck* check, uint32_t object);
+LsResult ls_check_looks(const LsCheck* check); // after the triangles: corners have attributes
+LsResult ls_check_animations(const LsCheck* check);
 
 // Chapter 5 and 6 for one object, whose record is sound.
 LsResult ls_check_grid(const LsCheck* check, uint32_t object);
@@ -46,6 +48,23 @@ static inline bool is_zero(const void* bytes, uint64_t size)
 {
     const uint8_t* first = bytes;
     return size == 0 || (*first == 0 && memcmp(first, first + 1, size - 1) == 0);
+}
+
+// Comparisons with NaN are false, so these need no separate test for it.
+static inline bool is_fraction(float value)
+{
+    return value >= 0 && value <= 1;
+}
+
+static inline bool is_finite_point(LsVec3 point)
+{
+    return isfinite(point.x) && isfinite(point.y) && isfinite(point.z);
+}
+
+// Whether a vector of that squared length counts as of unit length.
+static inline bool is_unit(double squared_length)
+{
+    return squared_length >= 1 - 0x1p-10 && squared_length <= 1 + 0x1p-10;
 }
 
 static inline uint32_t count_blocks_along(const LsObject* object, int axis)

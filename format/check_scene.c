@@ -17,11 +17,6 @@ static bool is_inside(LsVec3 point, LsVec3 lower, LsVec3 upper)
            (point.y <= upper.y) & (point.z >= lower.z) & (point.z <= upper.z);
 }
 
-static bool is_finite_point(LsVec3 point)
-{
-    return isfinite(point.x) && isfinite(point.y) && isfinite(point.z);
-}
-
 static bool is_finite_matrix(const LsVec4 rows[3])
 {
     bool finite = true;
@@ -45,11 +40,6 @@ static bool is_identity_matrix(const LsVec4 rows[3])
     return same;
 }
 
-static bool is_fraction(float value)
-{
-    return value >= 0 && value <= 1;
-}
-
 static LsResult check_features(const LsCheck* check)
 {
     const LsFile* file = check->file;
@@ -57,7 +47,7 @@ static LsResult check_features(const LsCheck* check)
         derive_required_features(file->objects, file->instances, file->header->counts);
     if (file->header->required_features != derived)
     {
-        return ls_error_set(check->error, LS_ERROR_RULE,
+        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R2.14: required features 0x%llx, the file uses 0x%llx",
                             check->name, (unsigned long long)file->header->required_features,
                             (unsigned long long)derived);
@@ -73,8 +63,8 @@ static LsResult check_presence(const LsCheck* check)
     {
         if (count_records(check, needed[i]) == 0)
         {
-            return ls_error_set(check->error, LS_ERROR_RULE, "%s: R4.1: no %s", check->name,
-                                ls_chunk_info(needed[i]).name);
+            return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE, "%s: R4.1: no %s",
+                                check->name, ls_chunk_info(needed[i]).name);
         }
     }
     return LS_OK;
@@ -229,7 +219,7 @@ static LsResult check_objects(const LsCheck* check)
     }
     if (file->header->depth != depth)
     {
-        return ls_error_set(check->error, LS_ERROR_RULE,
+        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R2.11: depth %u, the deepest object has %u", check->name,
                             file->header->depth, depth);
     }
@@ -399,8 +389,8 @@ static LsResult check_top_nodes(const LsCheck* check)
     const bool needed = (check->file->header->required_features & LS_FEATURE_TOP_LEVEL) != 0;
     if (needed != (count > 0))
     {
-        return ls_error_set(check->error, LS_ERROR_RULE, "%s: R4.6: TOP_NODES %s", check->name,
-                            needed ? "are missing" : "without need of a top level");
+        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE, "%s: R4.6: TOP_NODES %s",
+                            check->name, needed ? "are missing" : "without need of a top level");
     }
     if (count == 0)
     {
@@ -443,6 +433,7 @@ static LsResult check_nodes(const LsCheck* check)
 static LsResult check_materials(const LsCheck* check)
 {
     const uint32_t known_flags = LS_MATERIAL_EMISSIVE | LS_MATERIAL_DOUBLE_SIDED;
+    const uint32_t surface_count = count_records(check, LS_CHUNK_SURFACES);
     for (uint32_t i = 0; i < count_records(check, LS_CHUNK_MATERIALS); ++i)
     {
         const LsMaterial* material = &check->file->materials[i];
@@ -466,10 +457,12 @@ static LsResult check_materials(const LsCheck* check)
             return ls_check_report(check, "R4.9", LS_CHUNK_MATERIALS, i, "flags 0x%x, but it %s",
                                    material->flags, emits ? "emits" : "does not emit");
         }
-        if (material->reserved0 != 0 || material->reserved1 != 0)
+        if (material->surface > surface_count || material->reserved0 != 0 ||
+            material->reserved1 != 0)
         {
             return ls_check_report(check, "R4.9", LS_CHUNK_MATERIALS, i,
-                                   "a reserved word is not zero");
+                                   "surface %u of %u (0: none), or a reserved word is not zero",
+                                   material->surface, surface_count);
         }
     }
     return LS_OK;

@@ -22,7 +22,9 @@ LsResult ls_file_check(const LsFile* file, const char* name, LsError* error)
             result = result == LS_OK ? object_steps[i](&check, object) : result;
         }
     }
-    return result == LS_OK ? ls_check_lights(&check) : result;
+    result = result == LS_OK ? ls_check_lights(&check) : result;
+    result = result == LS_OK ? ls_check_looks(&check) : result;
+    return result == LS_OK ? ls_check_animations(&check) : result;
 }
 
 LsResult ls_file_check_hashes(const LsFile* file, const char* name, LsError* error)
@@ -33,14 +35,14 @@ LsResult ls_file_check_hashes(const LsFile* file, const char* name, LsError* err
         const LsEntry* entry = &file->entries[i];
         if (!is_zero(file->bytes + end, entry->offset - end))
         {
-            return ls_error_set(error, LS_ERROR_RULE,
+            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                                 "%s: R3.7: padding before chunk %u is not zero", name, i);
         }
         uint8_t hash[LS_HASH_BYTES];
         ls_hash_bytes(file->bytes + entry->offset, entry->stored_bytes, hash);
         if (memcmp(hash, entry->hash, sizeof(hash)) != 0)
         {
-            return ls_error_set(error, LS_ERROR_HASH,
+            return ls_error_set(error, LS_MESSAGE_LSPACE_DAMAGED_CHUNK,
                                 "%s: chunk %u (%.4s) is damaged (R3.8); copy or bake it again",
                                 name, i, (const char*)entry->type);
         }

@@ -58,7 +58,8 @@ static inline uint64_t derive_optional_features(const uint32_t counts[LS_CHUNK_C
            (counts[LS_CHUNK_ANIMATIONS] > 0 ? LS_FEATURE_ANIMATIONS : 0);
 }
 
-// The smallest minor that has all chunk types of a file (R2.3).
+// The smallest minor that has all chunk types of a file, and the smallest whose readers may read it
+// (R2.16): those of 0.1 skip what 0.2 added, but know no surfaces of materials.
 static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT])
 {
     for (int chunk = LS_CHUNK_SURFACES; chunk < LS_CHUNK_COUNT; ++chunk)
@@ -69,6 +70,11 @@ static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT])
         }
     }
     return 1;
+}
+
+static inline uint32_t derive_reader_minor(const uint32_t counts[LS_CHUNK_COUNT])
+{
+    return counts[LS_CHUNK_SURFACES] > 0 ? 2 : 1;
 }
 
 #endif

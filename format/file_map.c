@@ -18,7 +18,7 @@
 
 static LsResult report_cut(const char* path, LsError* error)
 {
-    return ls_error_set(error, LS_ERROR_FILE_READ,
+    return ls_error_set(error, LS_MESSAGE_FILE_CHANGED,
                         "%s: the file was cut short while it was being read; try again when nobody "
                         "writes it",
                         path);
@@ -28,10 +28,12 @@ static LsResult report_errno(const char* path, LsError* error)
 {
     if (errno == ENOENT || errno == ENOTDIR)
     {
-        return ls_error_set(error, LS_ERROR_FILE_MISSING, "%s: file not found; check the path",
+        return ls_error_set(error, LS_MESSAGE_FILE_MISSING, "%s: file not found; check the path",
                             path);
     }
-    return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", path, strerror(errno));
+    return ls_error_set(error, LS_MESSAGE_FILE_UNREADABLE,
+                        "%s: cannot be read: %s; check its permissions and the disk", path,
+                        strerror(errno));
 }
 
 // Where a file cannot be mapped, or its pages not be brought in safely, it is read into memory.
@@ -103,17 +105,17 @@ static LsResult open_mapping(LsMapping* mapping, int descriptor, const char* pat
     }
     if (S_ISDIR(before.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY,
+        return ls_error_set(error, LS_MESSAGE_FILE_IS_FOLDER,
                             "%s: is a directory; name a file in it", path);
     }
     if (!S_ISREG(before.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_FILE_READ,
+        return ls_error_set(error, LS_MESSAGE_FILE_NOT_REGULAR,
                             "%s: is no regular file; copy its contents to one", path);
     }
     if (before.st_size == 0)
     {
-        return ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: file is empty; make it again", path);
+        return ls_error_set(error, LS_MESSAGE_FILE_EMPTY, "%s: file is empty; make it again", path);
     }
     const uint64_t size = (uint64_t)before.st_size;
     void* bytes = NULL;

@@ -28,12 +28,12 @@ static LsResult check_identity(const void* bytes, uint64_t size, const char* nam
     const uint64_t present = size < LS_MAGIC_BYTES ? size : LS_MAGIC_BYTES;
     if (memcmp(bytes, LS_MAGIC, present) != 0)
     {
-        return ls_error_set(error, LS_ERROR_NOT_LSPACE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_FOREIGN,
                             "%s: not an .lspace file (R2.1); bake one with lsbake", name);
     }
     if (size < LS_HEADER_BYTES)
     {
-        return ls_error_set(error, LS_ERROR_TRUNCATED,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_CUT,
                             "%s: cut short: %llu bytes are less than a header (R2.6); copy or bake "
                             "it again",
                             name, (unsigned long long)size);
@@ -43,20 +43,21 @@ static LsResult check_identity(const void* bytes, uint64_t size, const char* nam
 
 static LsResult check_version(const LsHeader* header, const char* name, LsError* error)
 {
-    if (header->version_major == 0 && header->version_minor == 0x01000000)
+    if (header->version_major == 0 && header->version_minor != 0 &&
+        (header->version_minor & 0xFFFFFF) == 0)
     {
-        return ls_error_set(error, LS_ERROR_BYTE_ORDER,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_BYTE_ORDER,
                             "%s: written with reversed byte order (R2.2); bake it again", name);
     }
     if (header->version_major != LS_FORMAT_MAJOR)
     {
-        return ls_error_set(error, LS_ERROR_VERSION,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_MAJOR,
                             "%s: format %u.%u, but only %d.x is read here (R2.2); bake it again",
                             name, header->version_major, header->version_minor, LS_FORMAT_MAJOR);
     }
     if (header->reader_minor > LS_FORMAT_MINOR)
     {
-        return ls_error_set(error, LS_ERROR_VERSION,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_READER,
                             "%s: needs a reader of format %d.%u, this one is %d.%d (R2.3); update "
                             "it, or bake the file again",
                             name, LS_FORMAT_MAJOR, header->reader_minor, LS_FORMAT_MAJOR,
@@ -65,7 +66,7 @@ static LsResult check_version(const LsHeader* header, const char* name, LsError*
     const uint64_t unknown = header->required_features & ~LS_FEATURE_ALL;
     if (unknown != 0)
     {
-        return ls_error_set(error, LS_ERROR_FEATURE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_FEATURE,
                             "%s: requires features 0x%llx that this reader does not know (R2.5); "
                             "update it, or bake the file again",
                             name, (unsigned long long)unknown);
@@ -78,30 +79,32 @@ static LsResult check_extent(const LsHeader* header, uint64_t size, const char* 
 {
     if (header->file_bytes > LS_MAX_FILE_BYTES)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.6: %llu bytes, more than %llu", name,
-                            (unsigned long long)header->file_bytes, LS_MAX_FILE_BYTES);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.6: %llu bytes, more than %llu",
+                            name, (unsigned long long)header->file_bytes, LS_MAX_FILE_BYTES);
     }
     if (size < header->file_bytes)
     {
-        return ls_error_set(error, LS_ERROR_TRUNCATED,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_CUT,
                             "%s: cut short: %llu of %llu bytes (R2.6); copy or bake it again", name,
                             (unsigned long long)size, (unsigned long long)header->file_bytes);
     }
     if (size > header->file_bytes)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.6: %llu bytes follow the end of the file",
-                            name, (unsigned long long)(size - header->file_bytes));
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.6: %llu bytes follow the end of the file", name,
+                            (unsigned long long)(size - header->file_bytes));
     }
     if (header->chunk_count < 1 || header->chunk_count > LS_MAX_CHUNKS ||
         header->chunk_count > (size - LS_HEADER_BYTES) / LS_ENTRY_BYTES)
     {
-        return ls_error_set(error, LS_ERROR_RULE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R2.4: %u chunks, legal are 1 to %d that the file has room for",
                             name, header->chunk_count, LS_MAX_CHUNKS);
     }
     if (header->directory_offset != LS_HEADER_BYTES)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.7: directory at %llu, legal is %d", name,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.7: directory at %llu, legal is %d", name,
                             (unsigned long long)header->directory_offset, LS_HEADER_BYTES);
     }
     return LS_OK;
@@ -114,27 +117,28 @@ static LsResult check_values(const LsHeader* header, const char* name, LsError* 
         if (!(isfinite(header->lower[axis]) && isfinite(header->upper[axis]) &&
               header->lower[axis] <= header->upper[axis]))
         {
-            return ls_error_set(error, LS_ERROR_RULE,
+            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                                 "%s: R2.9: world bounds [%g, %g] along axis %d", name,
                                 (double)header->lower[axis], (double)header->upper[axis], axis);
         }
     }
     if (!(isfinite(header->transform_bound) && header->transform_bound >= 0))
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.10: transform bound %g", name,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.10: transform bound %g", name,
                             (double)header->transform_bound);
     }
     if (header->depth > LS_MAX_DEPTH)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.11: depth %u, at most %d is legal", name,
-                            header->depth, LS_MAX_DEPTH);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.11: depth %u, at most %d is legal", name, header->depth,
+                            LS_MAX_DEPTH);
     }
     for (size_t i = 0; i < sizeof(header->reserved); ++i)
     {
         if (header->reserved[i] != 0)
         {
-            return ls_error_set(error, LS_ERROR_RULE, "%s: R2.12: reserved byte %zu is not zero",
-                                name, i);
+            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                                "%s: R2.12: reserved byte %zu is not zero", name, i);
         }
     }
     return LS_OK;
@@ -161,18 +165,18 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     const bool known = chunk < LS_CHUNK_COUNT;
     if (known && (int)chunk <= *last)
     {
-        return ls_error_set(error, LS_ERROR_RULE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R3.1: entry %u: %s stands twice or out of order", name, index,
                             chunk_infos[chunk].name);
     }
     if ((entry->flags & ~LS_ENTRY_REQUIRED) != 0 || (known && entry->flags != chunk_flags(chunk)))
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R3.2: entry %u: flags 0x%x", name, index,
-                            entry->flags);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.2: entry %u: flags 0x%x", name,
+                            index, entry->flags);
     }
     if (!known && (entry->flags & LS_ENTRY_REQUIRED) != 0)
     {
-        return ls_error_set(error, LS_ERROR_FEATURE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_CHUNK,
                             "%s: requires chunk %u of type %02x %02x %02x %02x, which this reader "
                             "does not know (R3.2); update it, or bake the file again",
                             name, index, entry->type[0], entry->type[1], entry->type[2],
@@ -180,14 +184,14 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     }
     if (known ? entry->stride != chunk_infos[chunk].stride : entry->stride < 1)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R3.3: entry %u: stride %u", name, index,
-                            entry->stride);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.3: entry %u: stride %u", name,
+                            index, entry->stride);
     }
     if (entry->element_count < 1 || entry->element_count > UINT64_MAX / entry->stride ||
         entry->logical_bytes != entry->element_count * entry->stride ||
         entry->stored_bytes != entry->logical_bytes || (known && entry->element_count > UINT32_MAX))
     {
-        return ls_error_set(error, LS_ERROR_RULE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R3.4: entry %u: %llu records of %u bytes, but %llu bytes (%llu "
                             "stored)",
                             name, index, (unsigned long long)entry->element_count, entry->stride,
@@ -196,13 +200,13 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     }
     if (entry->codec != 0)
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R3.5: entry %u: codec %u", name, index,
-                            entry->codec);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.5: entry %u: codec %u", name,
+                            index, entry->codec);
     }
     const uint64_t offset = place_chunk(*end, entry->stored_bytes);
     if (entry->offset != offset || offset > file->size || entry->stored_bytes > file->size - offset)
     {
-        return ls_error_set(error, LS_ERROR_RULE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R3.6: entry %u: %llu bytes at %llu, its place is %llu in %llu",
                             name, index, (unsigned long long)entry->stored_bytes,
                             (unsigned long long)entry->offset, (unsigned long long)offset,
@@ -232,7 +236,7 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
     }
     if (end != file->size)
     {
-        return ls_error_set(error, LS_ERROR_RULE,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R3.6: the last chunk ends at %llu, the file at %llu", name,
                             (unsigned long long)end, (unsigned long long)file->size);
     }
@@ -243,18 +247,28 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
         counts[i] = entry != NULL ? (uint32_t)entry->element_count : 0;
         if (i < LS_HEADER_COUNTS && header->counts[i] != counts[i])
         {
-            return ls_error_set(error, LS_ERROR_RULE,
+            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                                 "%s: R2.8: the header counts %u records of chunk type %d (%s), the "
                                 "directory %u",
                                 name, header->counts[i], i, chunk_infos[i].name, counts[i]);
         }
     }
+    const uint32_t minor = derive_minor(counts), reader_minor = derive_reader_minor(counts);
+    if (header->version_minor <= LS_FORMAT_MINOR &&
+        (header->version_minor != minor || header->reader_minor != reader_minor))
+    {
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.16: format 0.%u for readers from 0.%u on, the chunks say 0.%u "
+                            "and 0.%u",
+                            name, header->version_minor, header->reader_minor, minor, reader_minor);
+    }
     const uint64_t optional = derive_optional_features(counts);
     if ((header->optional_features & LS_FEATURE_OPTIONAL_ALL) != optional)
     {
-        return ls_error_set(
-            error, LS_ERROR_RULE, "%s: R2.15: optional features 0x%llx, the chunks say 0x%llx",
-            name, (unsigned long long)header->optional_features, (unsigned long long)optional);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.15: optional features 0x%llx, the chunks say 0x%llx", name,
+                            (unsigned long long)header->optional_features,
+                            (unsigned long long)optional);
     }
     return LS_OK;
 }
@@ -284,7 +298,7 @@ static LsResult open_view(LsFile* file, const char* name, LsError* error)
     ls_hash_header(header, file->entries, hash);
     if (memcmp(hash, header->hash, sizeof(hash)) != 0)
     {
-        return ls_error_set(error, LS_ERROR_HASH,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_DAMAGED_HEAD,
                             "%s: header or directory is damaged (R2.13); copy or bake it again",
                             name);
     }

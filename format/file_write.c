@@ -32,11 +32,12 @@ static LsResult report_output(const Output* output, int reason, LsError* error)
 {
     if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT_FULL,
+        return ls_error_set(error, LS_MESSAGE_OUTPUT_FULL,
                             "%s: no space left for the output (%s); make room or write elsewhere",
                             output->name, strerror(reason));
     }
-    return ls_error_set(error, LS_ERROR_OUTPUT, "%s: cannot be written: %s", output->name,
+    return ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
+                        "%s: cannot be written: %s; choose another place", output->name,
                         strerror(reason));
 }
 
@@ -55,12 +56,12 @@ static LsResult find_place(Output* output, LsError* error)
     {
         if (S_ISDIR(status.st_mode))
         {
-            return ls_error_set(error, LS_ERROR_OUTPUT, "%s: is a directory; name a file in it",
-                                output->name);
+            return ls_error_set(error, LS_MESSAGE_OUTPUT_IS_FOLDER,
+                                "%s: is a directory; name a file in it", output->name);
         }
         if (!S_ISREG(status.st_mode))
         {
-            return ls_error_set(error, LS_ERROR_OUTPUT,
+            return ls_error_set(error, LS_MESSAGE_OUTPUT_NOT_REGULAR,
                                 "%s: is no regular file and is not replaced; choose another name",
                                 output->name);
         }
@@ -80,8 +81,8 @@ static LsResult find_place(Output* output, LsError* error)
     const char* slash = strrchr(output->path, '/');
     if (slash != NULL && slash[1] == '\0')
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT, "%s: names a directory; name a file in it",
-                            output->name);
+        return ls_error_set(error, LS_MESSAGE_OUTPUT_IS_FOLDER,
+                            "%s: names a directory; name a file in it", output->name);
     }
     if (slash == NULL)
     {
@@ -108,7 +109,7 @@ LsResult ls_output_check(const char* path, LsError* error)
     if (stat(output.directory, &status) != 0 || !S_ISDIR(status.st_mode) ||
         access(output.directory, W_OK | X_OK) != 0)
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT,
+        return ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
                             "%s: cannot be written; make the folder %s and allow writing to it",
                             path, output.directory);
     }
@@ -257,7 +258,7 @@ static void make_plan(Plan* plan, const LsFileDesc* desc)
 #undef LS_CHUNK_ADD
 
     header->version_minor = derive_minor(plan->counts);
-    header->reader_minor = header->version_minor;
+    header->reader_minor = derive_reader_minor(plan->counts);
 
     uint64_t end = LS_HEADER_BYTES + header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
     for (uint32_t i = 0; i < header->chunk_count; ++i)
@@ -312,14 +313,22 @@ LsResult ls_file_desc_check(const LsFileDesc* desc, const char* name, LsError* e
         if (!(isfinite(header->lower[axis]) && header->lower[axis] <= header->upper[axis] &&
               isfinite(header->upper[axis])))
         {
-            return ls_error_set(error, LS_ERROR_RULE, "%s: R2.9: world bounds not finite", name);
+            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.9: world bounds not finite",
+                                name);
         }
     }
     if (!(isfinite(header->transform_bound) && header->transform_bound >= 0))
     {
-        return ls_error_set(error, LS_ERROR_RULE, "%s: R2.10: transform bound not finite", name);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.10: transform bound not finite",
+                            name);
     }
+    // Entries of absent chunks count no records; the others stand in the order of the chunks.
     LsFile file = {.header = header, .entries = plan.entries};
+    const LsEntry* entry = plan.entries;
+    for (int chunk = 0; chunk < LS_CHUNK_COUNT; ++chunk)
+    {
+        file.chunk_entries[chunk] = plan.counts[chunk] > 0 ? entry++ : NULL;
+    }
 #define LS_CHUNK_SET(NAME, field, type, code) file.field = desc->field;
     LS_CHUNK_LIST(LS_CHUNK_SET)
 #undef LS_CHUNK_SET
@@ -363,7 +372,7 @@ LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error)
     if (plan.header.file_bytes > LS_MAX_FILE_BYTES)
     {
         return ls_error_set(
-            error, LS_ERROR_INPUT_LIMIT,
+            error, LS_MESSAGE_LIMIT_FILE_BYTES,
             "%s: would take %llu bytes, more than %llu; use a coarser grid or fewer "
             "patches",
             path, (unsigned long long)plan.header.file_bytes, LS_MAX_FILE_BYTES);

@@ -37,8 +37,9 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
                                VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT | (map ? mapped : 0), 0);
     if (type == UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE,
-                            "%s: the device has no kind of memory fit for %s", name, what);
+        return ls_error_set(
+            error, LS_MESSAGE_DEVICE_MEMORY_KIND,
+            "%s: the device has no kind of memory fit for %s: choose another device", name, what);
     }
     VkMemoryAllocateFlagsInfo flags = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
@@ -55,7 +56,7 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
     {
         buffer->memory = VK_NULL_HANDLE;
         return ls_error_set(
-            error, LS_ERROR_DEVICE_MEMORY,
+            error, LS_MESSAGE_DEVICE_MEMORY_FULL,
             "%s: vkAllocateMemory found no %.1f MiB of device memory for %s: close other programs "
             "that use the GPU, or bake with a smaller --grid or --patches",
             name, (double)needs.size / MIB, what);
@@ -116,7 +117,7 @@ LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceS
     if (bytes > context->max_buffer_bytes)
     {
         result = ls_error_set(
-            error, LS_ERROR_DEVICE_MEMORY,
+            error, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
             "%s: %s takes %.1f MiB, but the device's largest buffer is %.1f MiB: bake with a "
             "smaller --grid or --patches",
             name, what, (double)bytes / MIB, (double)context->max_buffer_bytes / MIB);

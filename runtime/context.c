@@ -10,20 +10,24 @@ LsResult ls_vulkan_result(VkResult code, const char* call, LsError* error)
         return LS_OK;
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
         return ls_error_set(
-            error, LS_ERROR_DEVICE_MEMORY,
+            error, LS_MESSAGE_DEVICE_MEMORY_FULL,
             "%s found too little device memory: close other programs that use the GPU, or "
             "bake with a smaller --grid or --patches",
             call);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-        return ls_error_set(error, LS_ERROR_MEMORY, "%s found too little memory", call);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                            "%s found too little memory: close other programs", call);
     case VK_ERROR_DEVICE_LOST:
         return ls_error_set(
-            error, LS_ERROR_DEVICE_LOST,
+            error, LS_MESSAGE_DEVICE_LOST,
             "%s lost the device: its driver was reset, often because one call took too long; "
             "try again with fewer rays at a time",
             call);
     default:
-        return ls_error_set(error, LS_ERROR_DEVICE, "%s failed with VkResult %d", call, (int)code);
+        return ls_error_set(
+            error, LS_MESSAGE_VULKAN_CALL,
+            "%s failed with VkResult %d: update the driver or choose another device", call,
+            (int)code);
     }
 }
 
@@ -44,7 +48,7 @@ static LsResult load_functions(const LsContextDesc* desc, InstanceFunctions* ins
     instance->name = (PFN_vk##name)desc->get_instance_proc_addr(desc->instance, "vk" #name);     \
     if (!instance->name)                                                                         \
     {                                                                                            \
-        return ls_error_set(error, LS_ERROR_DEVICE,                                              \
+        return ls_error_set(error, LS_MESSAGE_VULKAN_FUNCTION,                                   \
                             "the Vulkan instance has no vk" #name ": create it for Vulkan 1.2"); \
     }
     LOAD_INSTANCE_FUNCTION(GetPhysicalDeviceProperties2)
@@ -58,7 +62,7 @@ static LsResult load_functions(const LsContextDesc* desc, InstanceFunctions* ins
     device->name = (PFN_vk##name)instance->GetDeviceProcAddr(desc->device, "vk" #name); \
     if (!device->name)                                                                  \
     {                                                                                   \
-        return ls_error_set(error, LS_ERROR_DEVICE,                                     \
+        return ls_error_set(error, LS_MESSAGE_VULKAN_FUNCTION,                          \
                             "the Vulkan device has no vk" #name ": update its driver"); \
     }
     LS_DEVICE_FUNCTION_LIST(LOAD_DEVICE_FUNCTION)
@@ -119,7 +123,7 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     uint32_t version = properties.properties.apiVersion;
     if (version < VK_API_VERSION_1_2)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+        return ls_error_set(error, LS_MESSAGE_DEVICE_VERSION,
                             "GPU %s has Vulkan %u.%u, but 1.2 is needed: update its driver",
                             device_name, VK_API_VERSION_MAJOR(version),
                             VK_API_VERSION_MINOR(version));
@@ -149,13 +153,13 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     if (!features12.bufferDeviceAddress)
     {
         return ls_error_set(
-            error, LS_ERROR_DEVICE_FEATURE,
+            error, LS_MESSAGE_DEVICE_BUFFER_ADDRESS,
             "GPU %s lacks bufferDeviceAddress: update its driver or choose another device",
             device_name);
     }
     if (!family_computes(vk, desc->physical_device, desc->queue_family))
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+        return ls_error_set(error, LS_MESSAGE_DEVICE_COMPUTE,
                             "queue family %u of GPU %s cannot compute: choose another family",
                             desc->queue_family, device_name);
     }
@@ -181,7 +185,7 @@ LsResult ls_context_create(const LsContextDesc* desc, LsContext** context, LsErr
     LsContext* made = calloc(1, sizeof(*made));
     if (!made)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for a runtime context");
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for a runtime context");
     }
     made->device = desc->device;
     made->queue = desc->queue;

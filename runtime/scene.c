@@ -18,10 +18,20 @@
     X(LEAF_NODES, leaf_nodes)   \
     X(SHAFTS, shafts)
 
-// Nodes and cameras stay in the file.
+// What nobody reads on the device stays in the file: nodes, cameras, looks, lamps, animations.
 static bool lies_on_device(LsChunk chunk)
 {
-    return chunk != LS_CHUNK_NODES && chunk != LS_CHUNK_CAMERAS;
+    switch (chunk)
+    {
+#define CHUNK_CASE(NAME, field) case LS_CHUNK_##NAME:
+        TRACE_CHUNK_LIST(CHUNK_CASE)
+#undef CHUNK_CASE
+    case LS_CHUNK_MATERIALS:
+    case LS_CHUNK_LIGHTS:
+        return true;
+    default:
+        return false;
+    }
 }
 
 static LsResult upload_array(LsScene* scene, LsUpload* upload, LsBuffer* buffer, const void* bytes,
@@ -125,7 +135,7 @@ LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* nam
     LsScene* made = calloc(1, sizeof(*made));
     if (!made)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "%s: out of memory for a scene", name);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "%s: out of memory for a scene", name);
     }
     made->context = context;
     made->features = file->header->required_features;

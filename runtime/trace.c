@@ -9,31 +9,31 @@ static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
 {
     if (desc->method != LS_TRACE_EXACT && desc->method != LS_TRACE_BRUTE)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown method %d",
+        return ls_error_set(error, LS_MESSAGE_TRACE_METHOD, "trace: unknown method %d",
                             (int)desc->method);
     }
     if ((desc->flags & ~KNOWN_FLAGS) != 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: unknown ray flags 0x%X",
+        return ls_error_set(error, LS_MESSAGE_TRACE_FLAGS, "trace: unknown ray flags 0x%X",
                             desc->flags & ~KNOWN_FLAGS);
     }
     if (desc->times != 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
+        return ls_error_set(error, LS_MESSAGE_TRACE_TIMES,
                             "trace: times must be 0, files have no motion yet");
     }
     if (desc->ray_count > 1u << 31)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
+        return ls_error_set(error, LS_MESSAGE_TRACE_COUNT,
                             "trace: %u rays are more than 2^31 in one call", desc->ray_count);
     }
     if (desc->ray_count != 0 && (desc->rays == 0 || desc->hits == 0))
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "trace: rays and hits need addresses");
+        return ls_error_set(error, LS_MESSAGE_TRACE_ADDRESS, "trace: rays and hits need addresses");
     }
     if (desc->rays % 16 != 0 || desc->hits % 16 != 0 || desc->masks % 4 != 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
+        return ls_error_set(error, LS_MESSAGE_TRACE_ADDRESS,
                             "trace: rays and hits must be 16-byte aligned, masks 4-byte aligned");
     }
     return LS_OK;
@@ -50,7 +50,7 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
     const LsContext* context = scene->context;
     if (desc->method == LS_TRACE_BRUTE && scene->brute_rounds > context->max_loop_rounds)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+        return ls_error_set(error, LS_MESSAGE_DEVICE_LOOPS,
                             "trace: llvmpipe ends loops after 65535 rounds, too few for brute "
                             "force over this scene: "
                             "choose a GPU or trace exactly");

@@ -309,26 +309,55 @@ static void fill_looks(LsFixture* fixture)
                                  .cos_outer = -1};
 }
 
-// One node that turns and stands still otherwise.
-static void fill_animation(LsFixture* fixture)
+// Appends a channel whose keys begin at *key: their times, unless it shares those of the channel
+// before, then its values.
+static void add_channel(LsFixture* fixture, uint32_t index, LsChannel channel, bool shares,
+                        const float* numbers, uint32_t count, uint32_t* key)
 {
-    static const float keys[22] = {0, 1, 2, 0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, 1, // times, rotations
-                                   0, 1, 2, 3,                                  // translation
-                                   1, 1, 1};                                    // scale
-    memcpy(fixture->keys, keys, sizeof keys);
+    channel.first_time = shares ? fixture->channels[index - 1].first_time : *key;
+    channel.first_value = shares ? *key : *key + channel.key_count;
+    fixture->channels[index] = channel;
+    memcpy(fixture->keys + *key, numbers, count * sizeof(float));
+    *key += count;
+}
+
+// Node 2 moves and turns at the same times; node 0 swings smoothly, jumps round and grows.
+static void fill_animations(LsFixture* fixture)
+{
+    static const float move[12] = {0, 1, 2, /**/ 0, 0, 0, /**/ 1, 0, 0, /**/ 1, 2, 3};
+    static const float turn[12] = {0, 0, 0, 1, /**/ 0, 1, 0, 0, /**/ 0.6f, 0, 0, -0.8f};
+    static const float rest[4] = {0, /**/ 1, 1, 1};
+    static const float swing[20] = {0.5f,   4, /**/ 9, 9, 9, 0, 0, 0, 1, 1, 1, //
+                                    /**/ 2, 2, 2,      5, 5, 5, 9, 9, 9};
+    static const float jump[5] = {0, /**/ 1, 0, 0, 0};
+    static const float grow[3] = {2, 2, 2};
+    uint32_t key = 0;
+    add_channel(fixture, 0,
+                (LsChannel){.node = 2,
+                            .path = LS_PATH_TRANSLATION,
+                            .interpolation = LS_INTERPOLATION_LINEAR,
+                            .key_count = 3},
+                false, move, 12, &key);
+    add_channel(fixture, 1,
+                (LsChannel){.node = 2,
+                            .path = LS_PATH_ROTATION,
+                            .interpolation = LS_INTERPOLATION_LINEAR,
+                            .key_count = 3},
+                true, turn, 12, &key);
+    add_channel(fixture, 2, (LsChannel){.node = 2, .path = LS_PATH_SCALE, .key_count = 1}, false,
+                rest, 4, &key);
+    add_channel(fixture, 3,
+                (LsChannel){.path = LS_PATH_TRANSLATION,
+                            .interpolation = LS_INTERPOLATION_CUBIC,
+                            .key_count = 2},
+                false, swing, 20, &key);
+    add_channel(fixture, 4, (LsChannel){.path = LS_PATH_ROTATION, .key_count = 1}, false, jump, 5,
+                &key);
+    add_channel(fixture, 5, (LsChannel){.path = LS_PATH_SCALE, .key_count = 1}, true, grow, 3,
+                &key);
+    assert_int_equal(key, sizeof(fixture->keys) / sizeof(float));
     fixture->animations[0] = (LsAnimation){.channel_count = 3, .duration = 2};
-    fixture->channels[0] = (LsChannel){.node = 2,
-                                       .path = LS_PATH_TRANSLATION,
-                                       .key_count = 1,
-                                       .first_time = 15,
-                                       .first_value = 16};
-    fixture->channels[1] = (LsChannel){.node = 2,
-                                       .path = LS_PATH_ROTATION,
-                                       .interpolation = LS_INTERPOLATION_LINEAR,
-                                       .key_count = 3,
-                                       .first_value = 3};
-    fixture->channels[2] = (LsChannel){
-        .node = 2, .path = LS_PATH_SCALE, .key_count = 1, .first_time = 15, .first_value = 19};
+    fixture->animations[1] = (LsAnimation){.first_channel = 3, .channel_count = 3, .duration = 4};
 }
 
 void ls_fixture_fill(LsFixture* fixture)
@@ -339,7 +368,7 @@ void ls_fixture_fill(LsFixture* fixture)
     fill_grid(fixture);
     fill_objects(fixture);
     fill_looks(fixture);
-    fill_animation(fixture);
+    fill_animations(fixture);
     LsFileDesc* desc = &fixture->desc;
 #define FILL_CHUNK(NAME, array, type, code) \
     desc->array = fixture->array;           \

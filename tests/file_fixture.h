@@ -48,9 +48,9 @@ typedef struct LsFixture
     LsTexcoord texcoords[12];
     LsCornerColor colors[9];
     LsLamp lamps[3];
-    LsAnimation animations[1];
-    LsChannel channels[3];
-    float keys[22];
+    LsAnimation animations[2];
+    LsChannel channels[6];
+    float keys[56];
 } LsFixture;
 
 // Always the same scene.

@@ -311,7 +311,7 @@ static void print_json(const LsBakeReport* report, const char* output)
 
 static int fail(const LsError* error)
 {
-    fprintf(stderr, "lsbake: %s\n", error->text);
+    fprintf(stderr, "lsbake: error %u: %s\n", error->message, error->text);
     return (int)ls_result_exit_code(error->result);
 }
 

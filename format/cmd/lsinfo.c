@@ -378,6 +378,19 @@ static void add_scene(cJSON* root, const LsFile* file, const Summary* summary)
     }
 }
 
+static LsExit report(const LsError* error)
+{
+    fprintf(stderr, "lsinfo: error %u: %s\n", error->message, error->text);
+    return ls_result_exit_code(error->result);
+}
+
+static LsExit refuse(LsMessage message, const char* what, const char* argument)
+{
+    LsError error;
+    ls_error_set(&error, message, "%s%s", what, argument);
+    return report(&error);
+}
+
 static LsExit print_json(const LsFile* file, const char* path, const Summary* summary)
 {
     cJSON* root = cJSON_CreateObject();
@@ -398,8 +411,7 @@ static LsExit print_json(const LsFile* file, const char* path, const Summary* su
     cJSON_Delete(root);
     if (text == NULL)
     {
-        fprintf(stderr, "lsinfo: out of memory\n");
-        return LS_EXIT_MEMORY;
+        return refuse(LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the JSON of ", path);
     }
     printf("%s\n", text);
     cJSON_free(text);
@@ -407,12 +419,6 @@ static LsExit print_json(const LsFile* file, const char* path, const Summary* su
 }
 
 // ---- Commands -----------------------------------------------------------------------------------
-
-static LsExit report(const LsError* error)
-{
-    fprintf(stderr, "lsinfo: %s\n", error->text);
-    return ls_result_exit_code(error->result);
-}
 
 static LsExit print_info(const LsFile* file, const Options* options)
 {
@@ -462,9 +468,11 @@ static LsExit run(const Options* options)
 }
 
 // Reports a wrong command line in one line.
-static bool refuse_usage(const char* what, const char* argument)
+static bool refuse_usage(LsMessage message, const char* what, const char* argument)
 {
-    fprintf(stderr, "lsinfo: %s%s; see lsinfo --help\n", what, argument);
+    LsError error;
+    ls_error_set(&error, message, "%s%s; see lsinfo --help", what, argument);
+    report(&error);
     return false;
 }
 
@@ -482,7 +490,7 @@ static bool read_options(Options* options, int argument_count, char** arguments)
             }
             else if (options->path != NULL)
             {
-                return refuse_usage("more than one file: ", argument);
+                return refuse_usage(LS_MESSAGE_LSINFO_FILES, "more than one file: ", argument);
             }
             else
             {
@@ -511,7 +519,7 @@ static bool read_options(Options* options, int argument_count, char** arguments)
         }
         else
         {
-            return refuse_usage("unknown option ", argument);
+            return refuse_usage(LS_MESSAGE_LSINFO_OPTION, "unknown option ", argument);
         }
     }
     if (options->help || options->version)
@@ -520,15 +528,16 @@ static bool read_options(Options* options, int argument_count, char** arguments)
     }
     if (options->path == NULL)
     {
-        return refuse_usage("no file", "");
+        return refuse_usage(LS_MESSAGE_LSINFO_FILES, "no file", "");
     }
     if (options->full && !options->check)
     {
-        return refuse_usage("--full belongs to lsinfo check", "");
+        return refuse_usage(LS_MESSAGE_LSINFO_COMMAND, "--full belongs to lsinfo check", "");
     }
     if (options->json && options->check)
     {
-        return refuse_usage("--json does not belong to lsinfo check", "");
+        return refuse_usage(LS_MESSAGE_LSINFO_COMMAND, "--json does not belong to lsinfo check",
+                            "");
     }
     return true;
 }
@@ -555,8 +564,8 @@ int main(int argument_count, char** arguments)
     }
     if ((fflush(stdout) != 0 || ferror(stdout)) && code == LS_EXIT_OK)
     {
-        fprintf(stderr, "lsinfo: standard output cannot be written; is the disk full?\n");
-        code = LS_EXIT_OUTPUT;
+        code = refuse(LS_MESSAGE_OUTPUT_STANDARD,
+                      "standard output cannot be written; is the disk full?", "");
     }
     return code;
 }

@@ -13,6 +13,7 @@
 
 #include "ls_base.h"
 #include "ls_layout.h"
+#include "ls_messages.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -100,15 +101,17 @@ extern "C"
     {
         uint8_t magic[LS_MAGIC_BYTES];
         uint32_t version_major; // bytes changed: other majors are refused
-        uint32_t version_minor; // optional things were added
-        uint32_t reader_minor;  // the smallest minor that can read this file
+        uint32_t
+            version_minor; // optional things were added: the smallest minor that has all of the file
+        uint32_t reader_minor; // the smallest minor whose readers may read this file
         uint32_t chunk_count;
         uint64_t required_features;
         uint64_t optional_features;
         uint64_t file_bytes;
         uint64_t directory_offset; // LS_HEADER_BYTES
-        uint32_t counts[16];       // records of the first 16 chunk types, in the order of LsChunk
-        float lower[3];            // world bounds of all instances
+        uint32_t
+            counts[LS_HEADER_COUNTS]; // records of the first chunk types, in the order of LsChunk
+        float lower[3];               // world bounds of all instances
         float upper[3];
         float transform_bound; // see LsDeviceScene
         uint32_t depth;        // deepest sub-grid level of any object

@@ -256,7 +256,9 @@ LS_STRUCT(LsImage)
 LS_SIZE(LsImage, 16);
 
 // Where an object's attributes begin: three records a triangle, in the order of TRIANGLES and its
-// corners, or LS_NONE where the object has none. There is one such record per object, or no chunk.
+// corners, or LS_NONE where the object has none. There is one such record per object, or no chunk. In
+// each chunk the objects' parts follow each other in order without gaps, an object's set 1 of TEXCOORDS
+// right behind its set 0.
 LS_STRUCT(LsAttributes)
 {
     uint32_t first_normal;      // index into NORMALS
@@ -266,8 +268,9 @@ LS_STRUCT(LsAttributes)
 LS_SIZE(LsAttributes, 16);
 
 // NORMALS: unit vectors in object space, octahedral: two snorm16, x in the low half (Z. Cigolle et
-// al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014). The word
-// LS_NONE: this corner has none, the triangle's own normal counts.
+// al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014; SPEC R4.16),
+// -32768 not used. The word LS_NONE: this corner has none, the triangle's own normal counts; what
+// would be encoded so, (-1,-1), is stored as (-1,0).
 
 LS_STRUCT(LsTexcoord)
 {
@@ -289,11 +292,11 @@ LS_STRUCT(LsLamp)
 {
     LsVec3 position;  // world; 0 for directional ones
     uint32_t kind;    // LS_LAMP_*
-    LsVec3 direction; // world, unit length: where it shines; (0,0,-1) for points
+    LsVec3 direction; // world, unit length: where it shines; exactly (0,0,-1) for points
     float range;      // world units beyond which it gives no light; 0: unlimited
     LsVec3 intensity; // linear: radiant intensity (W/sr), for directional ones irradiance (W/m^2)
     uint32_t node;    // index into NODES, or LS_NONE
-    float cos_inner;  // spot: full within, none beyond cos_outer; else 1 and -1
+    float cos_inner;  // spot: full within, none beyond cos_outer <= cos_inner; else 1 and -1
     float cos_outer;
     uint32_t reserved[2]; // 0
 };
@@ -305,26 +308,28 @@ LS_SIZE(LsLamp, 64);
 
 // ---- Animation of nodes, optional; kept for later use ------------------------------------------------
 
-// Channels that play together.
+// Channels that play together. Animations follow each other in CHANNELS without gaps.
 LS_STRUCT(LsAnimation)
 {
     uint32_t first_channel; // index into CHANNELS
-    uint32_t channel_count;
-    float duration;    // seconds: the largest time of a key
-    uint32_t reserved; // 0
+    uint32_t channel_count; // >= 3, three for each animated node
+    float duration;         // seconds: the largest time of a key
+    uint32_t reserved;      // 0
 };
 LS_SIZE(LsAnimation, 16);
 
 // One of translation, rotation, scale of one node over time. An animated node has all three in its
-// animation, those that stand still with one key: parent_from_node = T * R * S then needs nothing
-// else.
+// animation, in a row in that order, those that stand still with one key: parent_from_node = T * R * S
+// then needs nothing else. Within an animation nodes rise from one three to the next. In KEYS each
+// channel's times and then its values follow those of the channel before, without gaps; a channel may
+// share the times of the one right before it, and then adds values alone.
 LS_STRUCT(LsChannel)
 {
     uint32_t node;          // index into NODES
     uint32_t path;          // LS_PATH_*
     uint32_t interpolation; // LS_INTERPOLATION_*
     uint32_t key_count;     // >= 1
-    uint32_t first_time;    // index into KEYS: key_count seconds, rising, >= 0
+    uint32_t first_time;    // index into KEYS: key_count seconds, >= 0, each greater than the last
     uint32_t first_value;   // index into KEYS: per key 3 numbers, 4 for rotations (x y z w); cubic
                             // splines have in-tangent, value, out-tangent, each of so many
     uint32_t reserved[2];   // 0

@@ -12,7 +12,25 @@
 // A list per topic: NAME, number. Within each hundred of the 3xxx a topic has its own block: PLY from
 // 01, OBJ and MTL from 20, OFF from 40, STL from 55, glTF from 70, all else from 90.
 
-#define LS_MESSAGES_USAGE(X)
+#define LS_MESSAGES_USAGE(X)  \
+    X(LSTRACE_OPTION, 1020)   \
+    X(LSTRACE_VALUE, 1021)    \
+    X(LSTRACE_FILES, 1022)    \
+    X(LSTRACE_REPLACES, 1023) \
+    X(LSVIEW_OPTION, 1040)    \
+    X(LSVIEW_VALUE, 1041)     \
+    X(LSVIEW_FILES, 1042)     \
+    X(LSVIEW_REPLACES, 1043)  \
+    X(LSVIEW_WINDOW, 1044)    \
+    X(LSINFO_OPTION, 1060)    \
+    X(LSINFO_FILES, 1061)     \
+    X(LSINFO_COMMAND, 1062)   \
+    X(TRACE_METHOD, 1080)     \
+    X(TRACE_FLAGS, 1081)      \
+    X(TRACE_TIMES, 1082)      \
+    X(TRACE_COUNT, 1083)      \
+    X(TRACE_ADDRESS, 1084)    \
+    X(PICTURE_SETTINGS, 1085)
 
 #define LS_MESSAGES_FILES(X)  \
     X(FILE_MISSING, 2001)     \
@@ -36,15 +54,46 @@
 #define LS_MESSAGES_SCENE(X)
 
 #define LS_MESSAGES_INPUT(X) \
+    X(RAYS_CUT, 3099)        \
     X(INPUT_ENDING, 3590)    \
     X(LIMIT_TRIANGLES, 3790) \
-    X(LIMIT_MEMORY, 3791)
+    X(LIMIT_MEMORY, 3791)    \
+    X(LIMIT_FILE_BYTES, 3799)
 
-#define LS_MESSAGES_OUTPUT(X)
+#define LS_MESSAGES_OUTPUT(X)   \
+    X(OUTPUT_UNWRITABLE, 4001)  \
+    X(OUTPUT_IS_FOLDER, 4002)   \
+    X(OUTPUT_NOT_REGULAR, 4003) \
+    X(OUTPUT_STANDARD, 4004)    \
+    X(OUTPUT_FULL, 4101)
 
-#define LS_MESSAGES_LSPACE(X)
+#define LS_MESSAGES_LSPACE(X)     \
+    X(LSPACE_FOREIGN, 5001)       \
+    X(LSPACE_BYTE_ORDER, 5101)    \
+    X(LSPACE_MAJOR, 5201)         \
+    X(LSPACE_READER, 5202)        \
+    X(LSPACE_FEATURE, 5301)       \
+    X(LSPACE_CHUNK, 5302)         \
+    X(LSPACE_CUT, 5401)           \
+    X(LSPACE_DAMAGED_HEAD, 5501)  \
+    X(LSPACE_DAMAGED_CHUNK, 5502) \
+    X(LSPACE_RULE, 5601)
 
-#define LS_MESSAGES_DEVICE(X)
+#define LS_MESSAGES_DEVICE(X)      \
+    X(VULKAN_DRIVER, 6001)         \
+    X(VULKAN_LAYER, 6002)          \
+    X(DEVICE_NONE, 6101)           \
+    X(DEVICE_NAME, 6102)           \
+    X(DEVICE_VERSION, 6201)        \
+    X(DEVICE_BUFFER_ADDRESS, 6202) \
+    X(DEVICE_COMPUTE, 6203)        \
+    X(DEVICE_LOOPS, 6204)          \
+    X(DEVICE_MEMORY_FULL, 6301)    \
+    X(DEVICE_BUFFER_LIMIT, 6302)   \
+    X(DEVICE_LOST, 6401)           \
+    X(VULKAN_FUNCTION, 6501)       \
+    X(VULKAN_CALL, 6502)           \
+    X(DEVICE_MEMORY_KIND, 6503)
 
 #define LS_MESSAGES_MEMORY(X) X(OUT_OF_MEMORY, 7001)
 

@@ -14,16 +14,22 @@ LsResult ls_app_vk_result(VkResult code, const char* call, LsError* error)
         return LS_OK;
     case VK_ERROR_OUT_OF_DEVICE_MEMORY:
         return ls_error_set(
-            error, LS_ERROR_DEVICE_MEMORY,
+            error, LS_MESSAGE_DEVICE_MEMORY_FULL,
             "%s found too little device memory: close other programs that use the GPU", call);
     case VK_ERROR_OUT_OF_HOST_MEMORY:
-        return ls_error_set(error, LS_ERROR_MEMORY, "%s found too little memory", call);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                            "%s found too little memory: close other programs", call);
     case VK_ERROR_DEVICE_LOST:
         return ls_error_set(
-            error, LS_ERROR_DEVICE_LOST,
-            "%s lost the device: its driver was reset, often because one call took too long", call);
+            error, LS_MESSAGE_DEVICE_LOST,
+            "%s lost the device: its driver was reset, often because one call took too long; "
+            "try again with less work at a time",
+            call);
     default:
-        return ls_error_set(error, LS_ERROR_DEVICE, "%s failed with VkResult %d", call, (int)code);
+        return ls_error_set(
+            error, LS_MESSAGE_VULKAN_CALL,
+            "%s failed with VkResult %d: update the driver or choose another device", call,
+            (int)code);
     }
 }
 
@@ -49,14 +55,14 @@ static LsResult create_instance(LsAppDevice* device, const LsAppDeviceDesc* desc
     {
     case VK_ERROR_INCOMPATIBLE_DRIVER:
         device->instance = VK_NULL_HANDLE;
-        return ls_error_set(error, LS_ERROR_NO_VULKAN,
+        return ls_error_set(error, LS_MESSAGE_VULKAN_DRIVER,
                             "no Vulkan driver was found: install mesa-vulkan-drivers (it brings a "
                             "software device as "
                             "well) or your GPU's own driver");
     case VK_ERROR_LAYER_NOT_PRESENT:
         device->instance = VK_NULL_HANDLE;
         return ls_error_set(
-            error, LS_ERROR_NO_VULKAN,
+            error, LS_MESSAGE_VULKAN_LAYER,
             "%s was not found: install vulkan-validationlayers or unset LS_VALIDATION", layer);
     default:
         device->instance = code == VK_SUCCESS ? device->instance : VK_NULL_HANDLE;
@@ -81,14 +87,20 @@ static uint32_t find_queue_family(VkPhysicalDevice physical_device, uint32_t* ti
     return UINT32_MAX;
 }
 
-// What a device lacks that we need, or NULL.
-static const char* find_lack(VkPhysicalDevice physical_device)
+// What a device lacks that we need; text NULL: nothing.
+typedef struct Lack
+{
+    LsMessage message;
+    const char* text;
+} Lack;
+
+static Lack find_lack(VkPhysicalDevice physical_device)
 {
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(physical_device, &properties);
     if (properties.apiVersion < VK_API_VERSION_1_2)
     {
-        return "Vulkan 1.2";
+        return (Lack){LS_MESSAGE_DEVICE_VERSION, "Vulkan 1.2"};
     }
     VkPhysicalDeviceVulkan12Features features12 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES,
@@ -100,11 +112,11 @@ static const char* find_lack(VkPhysicalDevice physical_device)
     vkGetPhysicalDeviceFeatures2(physical_device, &features);
     if (!features12.bufferDeviceAddress)
     {
-        return "bufferDeviceAddress";
+        return (Lack){LS_MESSAGE_DEVICE_BUFFER_ADDRESS, "bufferDeviceAddress"};
     }
     uint32_t timestamp_bits;
-    return find_queue_family(physical_device, &timestamp_bits) == UINT32_MAX ? "a compute queue"
-                                                                             : NULL;
+    const bool computes = find_queue_family(physical_device, &timestamp_bits) != UINT32_MAX;
+    return (Lack){LS_MESSAGE_DEVICE_COMPUTE, computes ? NULL : "a compute queue"};
 }
 
 static int rank_type(VkPhysicalDeviceType type)
@@ -157,7 +169,7 @@ static LsResult choose_device(LsAppDevice* device, const char* wanted, LsError* 
 
     char names[600] = ""; // of all devices, for the message
     char lacking_name[VK_MAX_PHYSICAL_DEVICE_NAME_SIZE] = "";
-    const char* lack = NULL;
+    Lack lack = {0};
     int best_rank = -1;
     for (uint32_t i = 0; i < count; i++)
     {
@@ -172,8 +184,8 @@ static LsResult choose_device(LsAppDevice* device, const char* wanted, LsError* 
         {
             continue;
         }
-        const char* lacks = find_lack(found[i]);
-        if (lacks)
+        const Lack lacks = find_lack(found[i]);
+        if (lacks.text)
         {
             lack = lacks;
             memcpy(lacking_name, properties.deviceName, sizeof(lacking_name));
@@ -191,20 +203,20 @@ static LsResult choose_device(LsAppDevice* device, const char* wanted, LsError* 
     {
         return LS_OK;
     }
-    if (lack)
+    if (lack.text)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
+        return ls_error_set(error, lack.message,
                             "GPU %s lacks %s: update its driver, or install mesa-vulkan-drivers "
                             "for a software device",
-                            lacking_name, lack);
+                            lacking_name, lack.text);
     }
     if (wanted && count > 0)
     {
-        return ls_error_set(error, LS_ERROR_NO_DEVICE,
+        return ls_error_set(error, LS_MESSAGE_DEVICE_NAME,
                             "no Vulkan device is called \"%s\"; there are: %s", wanted, names);
     }
     return ls_error_set(
-        error, LS_ERROR_NO_DEVICE,
+        error, LS_MESSAGE_DEVICE_NONE,
         "no Vulkan device was found: install mesa-vulkan-drivers for a software device");
 }
 
@@ -377,8 +389,9 @@ static LsResult fill_buffer(const LsAppDevice* device, LsAppMemory where, LsAppB
     const double mib = 1024.0 * 1024.0;
     if (buffer->bytes > device->max_buffer_bytes)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE_MEMORY,
-                            "a buffer of %.1f MiB was asked for, but the largest of %s is %.1f MiB",
+        return ls_error_set(error, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
+                            "a buffer of %.1f MiB was asked for, but the largest of %s is %.1f "
+                            "MiB: ask for less at a time",
                             (double)buffer->bytes / mib, device->name,
                             (double)device->max_buffer_bytes / mib);
     }
@@ -410,7 +423,8 @@ static LsResult fill_buffer(const LsAppDevice* device, LsAppMemory where, LsAppB
     };
     if (memory.memoryTypeIndex == UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_DEVICE, "GPU %s has no kind of memory fit for a buffer",
+        return ls_error_set(error, LS_MESSAGE_DEVICE_MEMORY_KIND,
+                            "GPU %s has no kind of memory fit for a buffer: choose another device",
                             device->name);
     }
     code = vkAllocateMemory(device->device, &memory, NULL, &buffer->memory);

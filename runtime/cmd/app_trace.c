@@ -103,9 +103,10 @@ static LsResult check_whole(const LsAppTracer* tracer, const LsAppRun* run, LsEr
     {
         if ((hits[i].flags & LS_HIT_CUT) != 0)
         {
-            return ls_error_set(error, LS_ERROR_DEVICE_FEATURE,
-                                "the device ended the loops of a ray before their time, as llvmpipe "
-                                "does after 65535 rounds; the scene needs another device");
+            return ls_error_set(
+                error, LS_MESSAGE_DEVICE_LOOPS,
+                "the device ended the loops of a ray before their time, as llvmpipe "
+                "does after 65535 rounds; the scene needs another device");
         }
     }
     return LS_OK;
@@ -128,6 +129,7 @@ LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
     }
     result = ls_app_commands_submit(device, commands, error);
     double unused;
-    result = result != LS_OK ? result : ls_app_clock_read(device, seconds ? seconds : &unused, error);
+    result =
+        result != LS_OK ? result : ls_app_clock_read(device, seconds ? seconds : &unused, error);
     return result != LS_OK ? result : check_whole(tracer, run, error);
 }

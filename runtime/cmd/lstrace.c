@@ -90,10 +90,17 @@ static bool parse_count(const char* text, unsigned long limit, uint32_t* count)
            value <= limit;
 }
 
-static LsExit refuse_usage(const char* problem, const char* argument)
+static LsExit report(const LsError* error)
 {
-    fprintf(stderr, "lstrace: %s%s; see lstrace --help\n", problem, argument);
-    return LS_EXIT_USAGE;
+    fprintf(stderr, "lstrace: error %u: %s\n", error->message, error->text);
+    return ls_result_exit_code(error->result);
+}
+
+static LsExit refuse_usage(LsMessage message, const char* problem, const char* argument)
+{
+    LsError error;
+    ls_error_set(&error, message, "%s%s; see lstrace --help", problem, argument);
+    return report(&error);
 }
 
 // Sets *done when there is nothing left to do: help was asked for, or the exit code is not
@@ -127,7 +134,8 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
     };
     *options = (Options){.method = LS_TRACE_EXACT, .batch = DEFAULT_BATCH};
     *done = true;
-    for (int option; (option = getopt_long(argc, argv, "o:", names, NULL)) != -1;)
+    opterr = 0;
+    for (int option; (option = getopt_long(argc, argv, ":o:", names, NULL)) != -1;)
     {
         switch (option)
         {
@@ -143,20 +151,23 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         case METHOD:
             if (strcmp(optarg, "exact") != 0 && strcmp(optarg, "brute") != 0)
             {
-                return refuse_usage("--method is exact or brute, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSTRACE_VALUE, "--method is exact or brute, not ",
+                                    optarg);
             }
             options->method = optarg[0] == 'e' ? LS_TRACE_EXACT : LS_TRACE_BRUTE;
             break;
         case REPEAT:
             if (!parse_count(optarg, MAX_REPEATS, &options->repeats))
             {
-                return refuse_usage("--repeat takes a number from 1 to 1000, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSTRACE_VALUE,
+                                    "--repeat takes a number from 1 to 1000, not ", optarg);
             }
             break;
         case BATCH:
             if (!parse_count(optarg, 1ul << 26, &options->batch))
             {
-                return refuse_usage("--batch takes a number from 1 to 67108864, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSTRACE_VALUE,
+                                    "--batch takes a number from 1 to 67108864, not ", optarg);
             }
             break;
         case DEVICE:
@@ -171,29 +182,33 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         case VERSION:
             puts("lstrace " LS_VERSION_TEXT);
             return LS_EXIT_OK;
-        default: // getopt_long has named it
-            return LS_EXIT_USAGE;
+        case ':':
+            return refuse_usage(LS_MESSAGE_LSTRACE_OPTION, "a value is missing after ",
+                                argv[optind - 1]);
+        default:
+            return refuse_usage(LS_MESSAGE_LSTRACE_OPTION, "unknown option ", argv[optind - 1]);
         }
     }
     if (argc - optind != 1)
     {
-        return refuse_usage("one .lspace file is wanted", "");
+        return refuse_usage(LS_MESSAGE_LSTRACE_FILES, "one .lspace file is wanted", "");
     }
     options->scene_path = argv[optind];
     if (!options->rays_path)
     {
-        return refuse_usage("--rays is missing", "");
+        return refuse_usage(LS_MESSAGE_LSTRACE_FILES, "--rays is missing", "");
     }
     if (!options->hits_path)
     {
-        return refuse_usage("-o is missing", "");
+        return refuse_usage(LS_MESSAGE_LSTRACE_FILES, "-o is missing", "");
     }
     if (strcmp(options->hits_path, "-") != 0 &&
         (ls_path_is_same(options->hits_path, options->scene_path) ||
          (strcmp(options->rays_path, "-") != 0 &&
           ls_path_is_same(options->hits_path, options->rays_path))))
     {
-        return refuse_usage("the hits would replace what is read: ", options->hits_path);
+        return refuse_usage(LS_MESSAGE_LSTRACE_REPLACES,
+                            "the hits would replace what is read: ", options->hits_path);
     }
     *done = false;
     return LS_EXIT_OK;
@@ -203,9 +218,9 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
 
 static LsResult report_odd_bytes(const RayFile* rays, uint64_t odd, uint64_t whole, LsError* error)
 {
-    return ls_error_set(error, LS_ERROR_INPUT_FORMAT,
+    return ls_error_set(error, LS_MESSAGE_RAYS_CUT,
                         "%s: %" PRIu64 " bytes after the last whole ray (32 bytes each, %" PRIu64
-                        " whole): the file was cut or is no ray file",
+                        " whole): the file was cut or is no ray file; write it again",
                         rays->name, odd, whole);
 }
 
@@ -216,20 +231,23 @@ static LsResult open_rays(RayFile* rays, const char* path, LsError* error)
     rays->descriptor = standard_input ? dup(STDIN_FILENO) : open(path, O_RDONLY | O_CLOEXEC);
     if (rays->descriptor < 0)
     {
-        return errno == ENOENT ? ls_error_set(error, LS_ERROR_FILE_MISSING,
-                                              "%s: there is no such file of rays", path)
-                               : ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s",
-                                              path, strerror(errno));
+        return errno == ENOENT
+                   ? ls_error_set(error, LS_MESSAGE_FILE_MISSING,
+                                  "%s: there is no such file of rays; check the path", path)
+                   : ls_error_set(error, LS_MESSAGE_FILE_UNREADABLE,
+                                  "%s: cannot be read: %s; check its permissions and the disk",
+                                  path, strerror(errno));
     }
     struct stat status;
     if (fstat(rays->descriptor, &status) != 0)
     {
-        return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name,
-                            strerror(errno));
+        return ls_error_set(error, LS_MESSAGE_FILE_UNREADABLE,
+                            "%s: cannot be read: %s; check its permissions and the disk",
+                            rays->name, strerror(errno));
     }
     if (S_ISDIR(status.st_mode))
     {
-        return ls_error_set(error, LS_ERROR_FILE_IS_DIRECTORY,
+        return ls_error_set(error, LS_MESSAGE_FILE_IS_FOLDER,
                             "%s: is a directory; name a file of rays", rays->name);
     }
     rays->ray_count = UINT64_MAX;
@@ -243,8 +261,8 @@ static LsResult open_rays(RayFile* rays, const char* path, LsError* error)
         }
         if (bytes == 0)
         {
-            return ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes",
-                                rays->name);
+            return ls_error_set(error, LS_MESSAGE_FILE_EMPTY,
+                                "%s: is empty; write rays of 32 bytes each to it", rays->name);
         }
     }
     return LS_OK;
@@ -261,8 +279,9 @@ static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into
         ssize_t piece = read(rays->descriptor, (char*)into + got, wanted - got);
         if (piece < 0 && errno != EINTR)
         {
-            return ls_error_set(error, LS_ERROR_FILE_READ, "%s: cannot be read: %s", rays->name,
-                                strerror(errno));
+            return ls_error_set(error, LS_MESSAGE_FILE_UNREADABLE,
+                                "%s: cannot be read: %s; check its permissions and the disk",
+                                rays->name, strerror(errno));
         }
         if (piece == 0)
         {
@@ -416,8 +435,8 @@ static LsResult trace_rays(Trace* trace, const Options* options, LsError* error)
     }
     if (result == LS_OK && trace->traced_count == 0)
     {
-        result = ls_error_set(error, LS_ERROR_FILE_EMPTY, "%s: is empty; a ray takes 32 bytes",
-                              trace->rays.name);
+        result = ls_error_set(error, LS_MESSAGE_FILE_EMPTY,
+                              "%s: is empty; write rays of 32 bytes each to it", trace->rays.name);
     }
     return result == LS_OK ? ls_out_file_commit(&trace->hits, error) : result;
 }
@@ -474,7 +493,7 @@ static LsExit run(const Options* options)
     }
     else
     {
-        fprintf(stderr, "lstrace: %s\n", error.text);
+        report(&error);
     }
     close_trace(&trace);
     return ls_result_exit_code(result);
@@ -491,8 +510,10 @@ int main(int argc, char** argv)
     }
     if (code == LS_EXIT_OK && (fflush(stdout) != 0 || ferror(stdout)))
     {
-        fprintf(stderr, "lstrace: standard output cannot be written; is the disk full?\n");
-        code = LS_EXIT_OUTPUT;
+        LsError error;
+        ls_error_set(&error, LS_MESSAGE_OUTPUT_STANDARD,
+                     "standard output cannot be written; is the disk full?");
+        code = report(&error);
     }
     return code;
 }

@@ -195,17 +195,17 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
             options->done = true;
             return true;
         case ':':
-            ls_error_set(error, LS_ERROR_ARGUMENT,
+            ls_error_set(error, LS_MESSAGE_LSVIEW_OPTION,
                          "%s needs a value; lsview --help shows the options", argv[optind - 1]);
             return false;
         default:
-            ls_error_set(error, LS_ERROR_ARGUMENT,
+            ls_error_set(error, LS_MESSAGE_LSVIEW_OPTION,
                          "unknown option %s; lsview --help shows the options", argv[optind - 1]);
             return false;
         }
         if (!good)
         {
-            ls_error_set(error, LS_ERROR_ARGUMENT,
+            ls_error_set(error, LS_MESSAGE_LSVIEW_VALUE,
                          "'%s' is out of range or malformed; lsview --help shows the options",
                          optarg);
             return false;
@@ -213,12 +213,14 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
     }
 
     const char* complaint = NULL;
+    LsMessage message = LS_MESSAGE_LSVIEW_FILES;
     if (optind + 1 != argc)
     {
         complaint = "give one .lspace file; lsview --help shows the options";
     }
     else if (!options->headless)
     {
+        message = LS_MESSAGE_LSVIEW_WINDOW;
         complaint = "a window comes in a later version; use --headless FILE.lspace -o OUT.png";
     }
     else if (!options->png)
@@ -228,11 +230,12 @@ static bool parse_options(int argc, char** argv, Options* options, LsError* erro
     else if (options->exr && (strcmp(options->exr, options->png) == 0 ||
                               ls_path_is_same(options->exr, options->png)))
     {
-        complaint = "-o and --exr name the same file";
+        message = LS_MESSAGE_LSVIEW_REPLACES;
+        complaint = "-o and --exr name the same file; choose another name for one";
     }
     if (complaint)
     {
-        ls_error_set(error, LS_ERROR_ARGUMENT, "%s", complaint);
+        ls_error_set(error, message, "%s", complaint);
         return false;
     }
     options->input = argv[optind];
@@ -266,7 +269,7 @@ static LsResult write_pictures(LsRender* render, const Options* options, LsError
     float* rgba = malloc((size_t)options->width * options->height * sizeof(LsVec4));
     if (!rgba)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "no memory for a picture of %ux%u",
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "no memory for a picture of %ux%u",
                             options->width, options->height);
     }
     LsResult result = ls_render_read(render, rgba, error);
@@ -406,7 +409,7 @@ static LsResult check_picture(const char* path, const char* scene_path, LsError*
 {
     if (ls_path_is_same(path, scene_path))
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
+        return ls_error_set(error, LS_MESSAGE_LSVIEW_REPLACES,
                             "%s: the picture would replace the scene; choose another name", path);
     }
     return ls_output_check(path, error);
@@ -451,7 +454,7 @@ static LsResult run(const Options* options, double program_begin, LsError* error
     }
     if (result == LS_OK && options->json && !print_json(&device, options, &report))
     {
-        result = ls_error_set(error, LS_ERROR_MEMORY, "no memory for the report");
+        result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "no memory for the report");
     }
     else if (result == LS_OK && !options->json && !options->quiet)
     {
@@ -474,12 +477,12 @@ int main(int argc, char** argv)
     }
     if (result == LS_OK && (fflush(stdout) != 0 || ferror(stdout)))
     {
-        result = ls_error_set(&error, LS_ERROR_OUTPUT,
+        result = ls_error_set(&error, LS_MESSAGE_OUTPUT_STANDARD,
                               "standard output cannot be written; is the disk full?");
     }
     if (result != LS_OK)
     {
-        fprintf(stderr, "lsview: %s\n", error.text);
+        fprintf(stderr, "lsview: error %u: %s\n", error.message, error.text);
     }
     return (int)ls_result_exit_code(result);
 }

@@ -2,6 +2,8 @@
 
 #include "out_file.h"
 
+#include "ls_messages.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
@@ -14,13 +16,13 @@ static LsResult report_failure(const char* name, int reason, LsError* error)
 {
     if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
     {
-        return ls_error_set(error, LS_ERROR_OUTPUT_FULL,
+        return ls_error_set(error, LS_MESSAGE_OUTPUT_FULL,
                             "%s: no space left for the output (%s); make room or "
                             "write elsewhere",
                             name, strerror(reason));
     }
-    return ls_error_set(error, LS_ERROR_OUTPUT, "%s: cannot be written: %s", name,
-                        strerror(reason));
+    return ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
+                        "%s: cannot be written: %s; choose another place", name, strerror(reason));
 }
 
 static LsResult open_directly(LsOutFile* file, int descriptor, LsError* error)
@@ -41,7 +43,8 @@ static LsResult open_temporary(LsOutFile* file, LsError* error)
     file->temporary = malloc(length + sizeof(ending));
     if (!file->temporary)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "%s: out of memory", file->name);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                            "%s: out of memory; close other programs", file->name);
     }
     memcpy(file->temporary, file->path, length);
     memcpy(file->temporary + length, ending, sizeof(ending));
@@ -76,8 +79,8 @@ LsResult ls_out_file_open(LsOutFile* file, const char* name, LsError* error)
     }
     else if (exists && S_ISDIR(status.st_mode))
     {
-        result =
-            ls_error_set(error, LS_ERROR_OUTPUT, "%s: is a directory; name a file in it", name);
+        result = ls_error_set(error, LS_MESSAGE_OUTPUT_IS_FOLDER,
+                              "%s: is a directory; name a file in it", name);
     }
     else if (exists && !S_ISREG(status.st_mode))
     {

@@ -53,7 +53,7 @@ LsResult ls_image_write_png(const float* rgba, uint32_t width, uint32_t height, 
     free(rgb);
 
     LsResult result = sink.bytes ? ls_bytes_write(sink.bytes, sink.size, path, error)
-                                 : ls_error_set(error, LS_ERROR_MEMORY,
+                                 : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                                                 "%s: no memory to encode the picture", path);
     free(sink.bytes);
     return result;
@@ -77,7 +77,8 @@ LsResult ls_image_write_exr(const float* rgba, uint32_t width, uint32_t height, 
     float* planes = malloc(3 * count * sizeof(float));
     if (!planes)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "%s: no memory to encode the picture", path);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "%s: no memory to encode the picture",
+                            path);
     }
     split_planes(rgba, count, planes);
 
@@ -102,10 +103,10 @@ LsResult ls_image_write_exr(const float* rgba, uint32_t width, uint32_t height, 
     unsigned char* bytes = NULL;
     const char* complaint = NULL;
     size_t size = SaveEXRImageToMemory(&image, &header, &bytes, &complaint);
-    LsResult result = size > 0
-                          ? ls_bytes_write(bytes, size, path, error)
-                          : ls_error_set(error, LS_ERROR_OUTPUT, "%s: cannot be encoded as EXR: %s",
-                                         path, complaint ? complaint : "no reason given");
+    LsResult result = size > 0 ? ls_bytes_write(bytes, size, path, error)
+                               : ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
+                                              "%s: cannot be encoded as EXR: %s", path,
+                                              complaint ? complaint : "no reason given");
     FreeEXRErrorMessage(complaint);
     free(bytes);
     free(planes);

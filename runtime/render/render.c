@@ -172,7 +172,7 @@ LsResult ls_render_create(const LsAppDevice* device, const LsScene* scene, const
     LsRender* created = calloc(1, sizeof(LsRender));
     if (!created)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "no memory for the path tracer");
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "no memory for the path tracer");
     }
     created->device = device;
     created->scene = ls_scene_address(scene);
@@ -253,7 +253,7 @@ LsResult ls_render_set(LsRender* render, const LsRenderSettings* settings, bool*
         settings->height > LS_RENDER_MAX_SIDE || settings->depth < 1 ||
         settings->depth > LS_RENDER_MAX_DEPTH)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
+        return ls_error_set(error, LS_MESSAGE_PICTURE_SETTINGS,
                             "a picture has 1 to %u pixels a side and paths of 1 to %u segments",
                             LS_RENDER_MAX_SIDE, LS_RENDER_MAX_DEPTH);
     }
