@@ -28,6 +28,15 @@ BUFFER(11, LsHit);
 BUFFER(12, LsDeviceScene);
 BUFFER(13, LsTraceParams);
 BUFFER(14, LsTraceScene);
+BUFFER(15, LsSurface);
+BUFFER(16, LsTexture);
+BUFFER(17, LsImage);
+BUFFER(18, LsAttributes);
+BUFFER(19, LsTexcoord);
+BUFFER(20, LsCornerColor);
+BUFFER(21, LsLamp);
+BUFFER(22, LsAnimation);
+BUFFER(23, LsChannel);
 
 void main()
 {

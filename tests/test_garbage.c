@@ -155,9 +155,101 @@ static void walk_instance(Walk* walk, uint32_t index)
     }
 }
 
+static void walk_texture(Walk* walk, uint32_t index)
+{
+    if (index == LS_NONE)
+    {
+        return;
+    }
+    const LsTexture* texture = &walk->file->textures[index];
+    take(walk, texture, sizeof(*texture));
+    const LsImage* image = &walk->file->images[texture->image];
+    take(walk, image, sizeof(*image));
+    for (uint32_t y = 0; y < image->height; ++y)
+    {
+        take(walk, walk->file->pixels + image->first_pixel + (size_t)y * image->width,
+             image->width * sizeof(uint32_t));
+    }
+}
+
+static void walk_surfaces(Walk* walk)
+{
+    for (uint32_t i = 0; i < ls_file_count(walk->file, LS_CHUNK_MATERIALS); ++i)
+    {
+        const uint32_t number = walk->file->materials[i].surface;
+        if (number == 0)
+        {
+            continue;
+        }
+        const LsSurface* surface = &walk->file->surfaces[number - 1];
+        take(walk, surface, sizeof(*surface));
+        walk_texture(walk, surface->base_color_texture);
+        walk_texture(walk, surface->metallic_roughness_texture);
+        walk_texture(walk, surface->normal_texture);
+        walk_texture(walk, surface->emissive_texture);
+        walk_texture(walk, surface->transmission_texture);
+    }
+}
+
+static void walk_attributes(Walk* walk)
+{
+    const LsFile* file = walk->file;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_ATTRIBUTES); ++i)
+    {
+        const LsAttributes* attributes = &file->attributes[i];
+        const size_t corners = 3 * (size_t)file->objects[i].triangle_count;
+        if (attributes->first_normal != LS_NONE)
+        {
+            take(walk, file->normals + attributes->first_normal, corners * sizeof(uint32_t));
+        }
+        for (int set = 0; set < 2; ++set)
+        {
+            const uint32_t first = attributes->first_texcoord[set];
+            if (first != LS_NONE)
+            {
+                take(walk, file->texcoords + first, corners * sizeof(LsTexcoord));
+            }
+        }
+        if (attributes->first_color != LS_NONE)
+        {
+            take(walk, file->colors + attributes->first_color, corners * sizeof(LsCornerColor));
+        }
+    }
+}
+
+static void walk_animations(Walk* walk)
+{
+    const LsFile* file = walk->file;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_ANIMATIONS); ++i)
+    {
+        const LsAnimation* animation = &file->animations[i];
+        for (uint32_t k = 0; k < animation->channel_count; ++k)
+        {
+            const LsChannel* channel = &file->channels[animation->first_channel + k];
+            const size_t size = (channel->path == LS_PATH_ROTATION ? 4 : 3) *
+                                (channel->interpolation == LS_INTERPOLATION_CUBIC ? 3 : 1);
+            take(walk, &file->nodes[channel->node], sizeof(LsSceneNode));
+            take(walk, file->keys + channel->first_time, channel->key_count * sizeof(float));
+            take(walk, file->keys + channel->first_value,
+                 channel->key_count * size * sizeof(float));
+        }
+    }
+}
+
 static void walk_file(Walk* walk)
 {
     const LsFile* file = walk->file;
+    walk_surfaces(walk);
+    walk_attributes(walk);
+    walk_animations(walk);
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_LAMPS); ++i)
+    {
+        take(walk, &file->lamps[i], sizeof(LsLamp));
+        if (file->lamps[i].node != LS_NONE)
+        {
+            take(walk, &file->nodes[file->lamps[i].node], sizeof(LsSceneNode));
+        }
+    }
     const uint32_t node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
     for (uint32_t i = 0; i < node_count;)
     {

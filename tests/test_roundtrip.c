@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char golden_path[] = LS_SOURCE_DIR "/tests/golden/format_0_1.lspace";
+#define GOLDEN LS_SOURCE_DIR "/tests/golden/format_0_"
 
 static void expect_equal(const LsFixtureBytes* left, const LsFixtureBytes* right)
 {
@@ -193,10 +193,114 @@ static void test_scene_limits(void** state)
     fixture.cameras[0].tan_half_y = FLT_TRUE_MIN;
     fixture.cameras[0].aspect = 0;
     expect_legal_trip(&fixture.desc);
+    fixture.materials[0].surface = 1;
     fixture.cameras[0].tan_half_y = FLT_MAX;
     fixture.cameras[0].aspect = FLT_MAX;
     fixture.lights[0].cumulative = 1;
     expect_legal_trip(&fixture.desc);
+}
+
+static void test_looks_limits(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    LsSurface* surface = &fixture.surfaces[0];
+    surface->transmission = 1;
+    surface->ior = 0; // infinite
+    surface->alpha = -0.0f;
+    surface->alpha_cutoff = FLT_MAX;
+    surface->normal_scale = -FLT_MAX;
+    surface->transmission_texture = 1;
+    fixture.textures[0].row_u = (LsVec4){FLT_MAX, -FLT_MAX, FLT_TRUE_MIN, -0.0f};
+    fixture.textures[0].flags = LS_TEXTURE_MIRROR_U | LS_TEXTURE_CLAMP_V | LS_TEXTURE_NEAREST;
+    fixture.normals[0] = 0x7FFF8001;
+    fixture.normals[1] = 0x80017FFF;
+    fixture.texcoords[0] = (LsTexcoord){FLT_MAX, -FLT_MAX};
+    fixture.colors[0] = (LsCornerColor){UINT32_MAX, 0x80008000};
+    fixture.lamps[0].position = (LsVec3){FLT_MAX, -FLT_MAX, FLT_TRUE_MIN};
+    fixture.lamps[0].direction = (LsVec3){-0.0f, 0, -1};
+    fixture.lamps[0].range = FLT_MAX;
+    fixture.lamps[0].intensity = (LsVec3){FLT_MAX, 0, FLT_TRUE_MIN};
+    fixture.lamps[1].direction = (LsVec3){0, 0x1.001p0f, 0};
+    fixture.lamps[1].cos_inner = fixture.lamps[1].cos_outer = 1;
+    fixture.lamps[2].position = (LsVec3){-0.0f, 0, 0};
+    expect_legal_trip(&fixture.desc);
+    surface->ior = 1;
+    fixture.lamps[1].direction = (LsVec3){0, 0, 0x1.fffp-1f};
+    fixture.lamps[1].cos_inner = fixture.lamps[1].cos_outer = -1;
+    expect_legal_trip(&fixture.desc);
+    surface->ior = FLT_MAX;
+    // The largest image behind a small one.
+    const uint32_t side = LS_MAX_IMAGE_SIDE;
+    uint32_t* pixels = calloc(2 + side * (size_t)side, sizeof(uint32_t));
+    assert_non_null(pixels);
+    fixture.images[1].width = fixture.images[1].height = side;
+    fixture.desc.pixels = pixels;
+    fixture.desc.PIXELS_count = 2 + side * side;
+    LsError error = {0};
+    assert_int_equal(ls_file_desc_check(&fixture.desc, "largest", &error), LS_OK);
+    --fixture.desc.PIXELS_count;
+    assert_int_equal(ls_file_desc_check(&fixture.desc, "cut", &error), LS_ERROR_RULE);
+    free(pixels);
+}
+
+static void test_animation_limits(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    fixture.keys[1] = FLT_TRUE_MIN;
+    fixture.keys[2] = FLT_MAX;
+    fixture.keys[3] = -FLT_MAX;
+    fixture.animations[0].duration = FLT_MAX;
+    fixture.keys[12] = 0x1p-6f; // adds 2^-12 to a squared length
+    fixture.keys[53] = FLT_MAX;
+    expect_legal_trip(&fixture.desc);
+    fixture.keys[12] = 0x1p-5f; // 2^-10: no more
+    expect_legal_trip(&fixture.desc);
+    // A cubic rotation: its tangents may be anything.
+    float keys[64];
+    memcpy(keys, fixture.keys, sizeof(fixture.keys));
+    const float rotation[13] = {7, 9, 9, 9, 9, 0, 1, 0, 0, -9, -9, -9, -9};
+    const float grow[3] = {1, 1, 1};
+    memcpy(keys + 48, rotation, sizeof(rotation));
+    memcpy(keys + 61, grow, sizeof(grow));
+    fixture.channels[4].interpolation = LS_INTERPOLATION_CUBIC;
+    fixture.channels[5].first_value = 61;
+    fixture.animations[1].duration = 7;
+    fixture.desc.keys = keys;
+    fixture.desc.KEYS_count = 64;
+    expect_legal_trip(&fixture.desc);
+    keys[54] = 2;
+    LsError error = {0};
+    assert_int_equal(ls_file_desc_check(&fixture.desc, "long", &error), LS_ERROR_RULE);
+    assert_non_null(strstr(error.text, "R4.21: KEYS record 53"));
+}
+
+// Corners without normals, colours alone, a set of texture coordinates alone: each without the others.
+static void test_attributes_apart(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    const LsFileDesc whole = fixture.desc;
+    for (int kind = 0; kind < 4; ++kind)
+    {
+        for (uint32_t i = 0; i < 3; ++i)
+        {
+            fixture.attributes[i] = (LsAttributes){LS_NONE, {LS_NONE, LS_NONE}, LS_NONE};
+        }
+        LsAttributes* own = &fixture.attributes[0];
+        uint32_t* const places[4] = {&own->first_normal, &own->first_texcoord[0],
+                                     &own->first_texcoord[1], &own->first_color};
+        *places[kind] = 0;
+        fixture.desc = whole;
+        fixture.desc.NORMALS_count = kind == 0 ? 6 : 0;
+        fixture.desc.TEXCOORDS_count = kind == 1 || kind == 2 ? 6 : 0;
+        fixture.desc.COLORS_count = kind == 3 ? 6 : 0;
+        expect_legal_trip(&fixture.desc);
+    }
 }
 
 // The longest grid, and the greatest bound that is legal in it.
@@ -262,6 +366,7 @@ static void test_depth_limit(void** state)
     desc.voxels = voxels;
     desc.VOXELS_count = 1 + LS_MAX_DEPTH;
     desc.TOP_NODES_count = desc.LIGHTS_count = desc.LEAF_NODES_count = desc.SHAFTS_count = 0;
+    desc.ATTRIBUTES_count = desc.NORMALS_count = desc.TEXCOORDS_count = desc.COLORS_count = 0;
     expect_legal_trip(&desc);
 }
 
@@ -315,19 +420,75 @@ static void test_largest_tables(void** state)
 
 // ---- Golden file --------------------------------------------------------------------------------
 
-// Written once by the first writer of format 0.1, and kept.
-static void test_golden_file(void** state)
+static void expect_version(const LsFixtureBytes* bytes, uint32_t minor, uint32_t reader_minor)
 {
-    (void)state;
-    LsFixtureBytes golden = ls_fixture_read(golden_path);
+    LsFile file;
+    open_file(&file, bytes);
+    assert_int_equal(file.header->version_major, 0);
+    assert_int_equal(file.header->version_minor, minor);
+    assert_int_equal(file.header->reader_minor, reader_minor);
+}
+
+// The scene of a golden file, written today, has its bytes.
+static void expect_golden(const char* path, const LsFileDesc* desc, uint32_t minor)
+{
+    LsFixtureBytes golden = ls_fixture_read(path);
     expect_legal(&golden);
+    expect_version(&golden, minor, minor);
     expect_round_trip(&golden);
-    LsFixture fixture;
-    ls_fixture_fill(&fixture);
-    LsFixtureBytes bytes = ls_fixture_bytes(&fixture.desc);
+    LsFixtureBytes bytes = ls_fixture_bytes(desc);
     expect_equal(&bytes, &golden);
     ls_fixture_free(&bytes);
     ls_fixture_free(&golden);
+}
+
+// Leaves out what 0.2 added.
+static void strip_fixture(LsFixture* fixture)
+{
+    fixture->materials[1].surface = 0;
+#define STRIP_CHUNK(NAME, array, type, code) \
+    fixture->desc.NAME##_count =             \
+        LS_CHUNK_##NAME >= LS_CHUNK_SURFACES ? 0 : fixture->desc.NAME##_count;
+    LS_CHUNK_LIST(STRIP_CHUNK)
+#undef STRIP_CHUNK
+}
+
+// Each written once by the first writer of its version, and kept.
+static void test_golden_files(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    expect_golden(GOLDEN "2.lspace", &fixture.desc, 2);
+    strip_fixture(&fixture);
+    expect_golden(GOLDEN "1.lspace", &fixture.desc, 1);
+}
+
+// What readers of 0.1 can skip does not keep them out.
+static void test_versions(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    const LsFileDesc whole = fixture.desc;
+    strip_fixture(&fixture);
+    const LsFileDesc plain = fixture.desc;
+    LsFileDesc descs[3] = {plain, plain, plain};
+    descs[0].LAMPS_count = whole.LAMPS_count;
+    descs[1].ANIMATIONS_count = whole.ANIMATIONS_count;
+    descs[1].CHANNELS_count = whole.CHANNELS_count;
+    descs[1].KEYS_count = whole.KEYS_count;
+    descs[2].ATTRIBUTES_count = whole.ATTRIBUTES_count;
+    descs[2].NORMALS_count = whole.NORMALS_count;
+    descs[2].TEXCOORDS_count = whole.TEXCOORDS_count;
+    descs[2].COLORS_count = whole.COLORS_count;
+    for (int i = 0; i < 3; ++i)
+    {
+        LsFixtureBytes bytes = ls_fixture_bytes(&descs[i]);
+        expect_version(&bytes, 2, 1);
+        ls_fixture_free(&bytes);
+        expect_legal_trip(&descs[i]);
+    }
 }
 
 // ---- Baked files --------------------------------------------------------------------------------
@@ -399,7 +560,9 @@ int main(void)
         cmocka_unit_test(test_fixture),           cmocka_unit_test(test_each_chunk_absent),
         cmocka_unit_test(test_any_bytes_survive), cmocka_unit_test(test_scene_limits),
         cmocka_unit_test(test_grid_limits),       cmocka_unit_test(test_depth_limit),
-        cmocka_unit_test(test_largest_tables),    cmocka_unit_test(test_golden_file),
+        cmocka_unit_test(test_largest_tables),    cmocka_unit_test(test_golden_files),
+        cmocka_unit_test(test_looks_limits),      cmocka_unit_test(test_animation_limits),
+        cmocka_unit_test(test_attributes_apart),  cmocka_unit_test(test_versions),
     };
     const int failed = cmocka_run_group_tests_name("roundtrip", tests, NULL, NULL);
     return failed + run_baked_group();
