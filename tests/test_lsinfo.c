@@ -75,15 +75,18 @@ static Run run_lsinfo(const char* out_path, const char* first, const char* secon
     return run;
 }
 
-// Nothing on standard output, one line on the other that contains `part`.
-static void expect_line(const Run* run, int code, const char* part)
+// Nothing on standard output, one line on the other with the message's number that contains `part`.
+static void expect_line(const Run* run, LsMessage message, const char* part)
 {
+    const int code = (int)ls_result_exit_code((LsResult)(message / 100));
+    char start[32];
+    const int length = snprintf(start, sizeof(start), "lsinfo: error %d: ", (int)message);
     if (run->code != code || strstr(run->error, part) == NULL || run->out[0] != '\0' ||
-        strncmp(run->error, "lsinfo: ", 8) != 0 ||
+        strncmp(run->error, start, (size_t)length) != 0 ||
         strchr(run->error, '\n') != run->error + strlen(run->error) - 1)
     {
-        fail_msg("exit %d, out \"%s\", error \"%s\"; expected exit %d and \"%s\"", run->code,
-                 run->out, run->error, code, part);
+        fail_msg("exit %d, out \"%s\", error \"%s\"; expected exit %d, \"%s\" and \"%s\"",
+                 run->code, run->out, run->error, code, start, part);
     }
 }
 
@@ -96,37 +99,37 @@ static void test_help_and_version(void** state)
     assert_non_null(strstr(run.out, "--json"));
     run = run_lsinfo(NULL, "--version", NULL, NULL);
     assert_int_equal(run.code, 0);
-    assert_string_equal(run.out, "lsinfo 0.1, format 0.1\n");
+    assert_string_equal(run.out, "lsinfo 0.1, format 0.2\n");
 }
 
 static void test_usage_errors(void** state)
 {
     (void)state;
     Run run = run_lsinfo(NULL, NULL, NULL, NULL);
-    expect_line(&run, LS_EXIT_USAGE, "no file");
+    expect_line(&run, LS_MESSAGE_LSINFO_FILES, "no file");
     run = run_lsinfo(NULL, "--frobnicate", scene_path, NULL);
-    expect_line(&run, LS_EXIT_USAGE, "unknown option --frobnicate");
+    expect_line(&run, LS_MESSAGE_LSINFO_OPTION, "unknown option --frobnicate");
     run = run_lsinfo(NULL, "check", NULL, NULL);
-    expect_line(&run, LS_EXIT_USAGE, "no file");
+    expect_line(&run, LS_MESSAGE_LSINFO_FILES, "no file");
     run = run_lsinfo(NULL, scene_path, scene_path, NULL);
-    expect_line(&run, LS_EXIT_USAGE, "more than one file");
+    expect_line(&run, LS_MESSAGE_LSINFO_FILES, "more than one file");
     run = run_lsinfo(NULL, "--full", scene_path, NULL);
-    expect_line(&run, LS_EXIT_USAGE, "--full");
+    expect_line(&run, LS_MESSAGE_LSINFO_COMMAND, "--full");
     run = run_lsinfo(NULL, "check", "--json", scene_path);
-    expect_line(&run, LS_EXIT_USAGE, "--json");
+    expect_line(&run, LS_MESSAGE_LSINFO_COMMAND, "--json");
 }
 
 static void test_input_errors(void** state)
 {
     (void)state;
     Run run = run_lsinfo(NULL, "/nonexistent.lspace", NULL, NULL);
-    expect_line(&run, LS_EXIT_INPUT, "/nonexistent.lspace: file not found");
+    expect_line(&run, LS_MESSAGE_FILE_MISSING, "/nonexistent.lspace: file not found");
     run = run_lsinfo(NULL, directory, NULL, NULL);
-    expect_line(&run, LS_EXIT_INPUT, "is a directory");
+    expect_line(&run, LS_MESSAGE_FILE_IS_FOLDER, "is a directory");
     run = run_lsinfo(NULL, "--", program, NULL);
-    expect_line(&run, LS_EXIT_LSPACE, "not an .lspace file");
+    expect_line(&run, LS_MESSAGE_LSPACE_FOREIGN, "not an .lspace file");
     run = run_lsinfo("/dev/full", scene_path, NULL, NULL);
-    expect_line(&run, LS_EXIT_OUTPUT, "cannot be written");
+    expect_line(&run, LS_MESSAGE_OUTPUT_STANDARD, "cannot be written");
 }
 
 static void test_check(void** state)
@@ -139,28 +142,37 @@ static void test_check(void** state)
     assert_int_equal(run.code, 0);
     assert_non_null(strstr(run.out, "every rule holds (full check"));
     run = run_lsinfo(NULL, "check", broken_path, NULL);
-    expect_line(&run, LS_EXIT_LSPACE, "R4.9: MATERIALS record 0");
+    expect_line(&run, LS_MESSAGE_LSPACE_RULE, "R4.9: MATERIALS record 0");
     run = run_lsinfo(NULL, broken_path, NULL, NULL);
-    expect_line(&run, LS_EXIT_LSPACE, "R4.9: MATERIALS record 0");
+    expect_line(&run, LS_MESSAGE_LSPACE_RULE, "R4.9: MATERIALS record 0");
     run = run_lsinfo(NULL, "check", damaged_path, NULL);
     assert_int_equal(run.code, 0); // a colour may have any value
     run = run_lsinfo(NULL, "check", damaged_path, "--full");
-    expect_line(&run, LS_EXIT_LSPACE, "R3.8");
+    expect_line(&run, LS_MESSAGE_LSPACE_DAMAGED_CHUNK, "R3.8");
 }
 
 static void test_text(void** state)
 {
     (void)state;
     static const char* const parts[] = {
-        ".lspace 0.1, ",
+        ".lspace 0.2, for readers from 0.2 on, 110816 bytes\n",
         "required features  top-level lists grids sub-grids leaf-bvhs masks\n",
-        "optional features  lights cameras nodes\n",
+        "optional features  lights cameras nodes surfaces attributes lamps animations\n",
         "world bounds       (-1, -1, -1) to (7, 1, 1)\n",
-        "TRIANGLES              43     48           2064    3.31%\n",
+        "TRIANGLES              43     48           2064    1.86%\n",
+        "KEYS                   56      4            224    0.20%\n",
         "objects            3: 1 list, 2 grid\n",
         "triangles          43 of 85 faces, 83 with all instances\n",
         "voxels             13: 3 list, 5 masks, 3 subgrid, 2 bvh\n",
         "sub-grids          3, at most 2 deep\n",
+        "surfaces           1, 1 with holes\n",
+        "textures           2 of 2 images, 5 pixels\n",
+        "attributes         1 objects with normals, 1 and 1 with texture coordinates 0 and 1, 2 "
+        "with "
+        "colours\n",
+        "corner normals     6, 1 of them the face's\n",
+        "lamps              3: 1 point, 1 spot, 1 directional\n",
+        "animations         2 of 2 nodes, 56 keys, at most 4 s\n",
         "nothing: the scene uses every chunk\n",
     };
     Run run = run_lsinfo(NULL, scene_path, NULL, NULL);
@@ -189,7 +201,8 @@ static void test_json(void** state)
     assert_int_equal(run.code, 0);
     cJSON* root = cJSON_Parse(run.out);
     assert_non_null(root);
-    assert_string_equal(cJSON_GetObjectItem(root, "format")->valuestring, "0.1");
+    assert_string_equal(cJSON_GetObjectItem(root, "format")->valuestring, "0.2");
+    assert_string_equal(cJSON_GetObjectItem(root, "reader_format")->valuestring, "0.2");
     assert_string_equal(cJSON_GetObjectItem(root, "file")->valuestring, scene_path);
     const cJSON* chunks = cJSON_GetObjectItem(root, "chunks");
     assert_int_equal(cJSON_GetArraySize(chunks), LS_CHUNK_COUNT);
@@ -213,6 +226,17 @@ static void test_json(void** state)
     // In file_fixture.c every third word of a table has all of its masks set.
     assert_true(find_number(scene, "filled_shafts") == 8 + 80 + 6 + 5 + 408);
     assert_true(find_number(cJSON_GetObjectItem(scene, "voxel_kinds"), "bvh") == 2);
+    assert_true(find_number(scene, "pixels") == 5);
+    assert_true(find_number(scene, "surfaces_with_holes") == 1);
+    assert_true(find_number(scene, "objects_with_colors") == 2);
+    assert_true(find_number(scene, "objects_with_texcoords_1") == 1);
+    assert_true(find_number(scene, "corners_without_normal") == 1);
+    assert_true(find_number(scene, "animated_nodes") == 2);
+    assert_true(find_number(scene, "longest_animation_seconds") == 4);
+    assert_true(find_number(cJSON_GetObjectItem(scene, "lamp_kinds"), "spot") == 1);
+    const cJSON* optional = cJSON_GetObjectItem(root, "optional_features");
+    assert_int_equal(cJSON_GetArraySize(optional), 7);
+    assert_string_equal(cJSON_GetArrayItem(optional, 6)->valuestring, "animations");
     assert_int_equal(cJSON_GetArraySize(cJSON_GetObjectItem(root, "left_out")), 0);
     cJSON_Delete(root);
 }
@@ -243,6 +267,12 @@ static void test_what_is_left_out(void** state)
     assert_non_null(strstr(run.out, "  top level: one object, one instance, the identity\n"));
     assert_non_null(strstr(run.out, "  lights: no emissive triangle\n"));
     assert_non_null(strstr(run.out, "  grids: every object is a list of few triangles\n"));
+    assert_non_null(strstr(run.out, ".lspace 0.1, for readers from 0.1 on, "));
+    assert_non_null(
+        strstr(run.out, "  surfaces: no material has transmission, holes or textures\n"));
+    assert_non_null(strstr(run.out, "  lamps: the input has none\n"));
+    assert_non_null(strstr(run.out, "  keys: there are no animations\n"));
+    assert_null(strstr(run.out, "absent"));
     run = run_lsinfo(NULL, path, "--json", NULL);
     cJSON* root = cJSON_Parse(run.out);
     assert_non_null(root);

@@ -1,6 +1,6 @@
 // lsinfo.c - prints what an .lspace file holds, and checks it against every rule of SPEC.md.
 
-#include "ls_format.h"
+#include "lsinfo_summary.h"
 
 #include <cjson/cJSON.h>
 #include <inttypes.h>
@@ -33,127 +33,10 @@ typedef struct Options
     bool check, full, json, help, version;
 } Options;
 
-// ---- Numbers ------------------------------------------------------------------------------------
-
-// What the chunks hold together.
-typedef struct Summary
-{
-    uint32_t list_object_count, grid_object_count;
-    uint64_t triangle_count, face_count;
-    uint64_t instanced_triangle_count; // each as often as it is placed
-    uint64_t cell_count;               // of all grids, empty ones too
-    uint64_t voxel_kind_count[4];
-    uint32_t patches_least, patches_most; // of voxels with masks
-    uint64_t shaft_count, filled_shaft_count;
-    uint64_t padding_bytes;
-} Summary;
-
-// Masks of `words` that have a bit set; `bits` is what all of them take.
-static uint64_t count_filled(const uint32_t* words, uint64_t bits, uint32_t width)
-{
-    const uint32_t lowest = (uint32_t)(UINT32_MAX / ((1ull << width) - 1)); // bit 0 of each mask
-    uint64_t filled = 0;
-    for (uint64_t i = 0; i * 32 < bits; ++i)
-    {
-        uint32_t folded = words[i];
-        for (uint32_t shift = 1; shift < width; shift *= 2)
-        {
-            folded |= folded >> shift;
-        }
-        filled += (uint64_t)__builtin_popcount(folded & lowest);
-    }
-    return filled;
-}
-
-static void add_voxels(Summary* summary, const LsFile* file, const LsObject* object)
-{
-    for (uint32_t i = 0; i < object->voxel_count; ++i)
-    {
-        const LsVoxel* voxel = &file->voxels[object->first_voxel + i];
-        ++summary->voxel_kind_count[voxel->shape & 255];
-        if ((voxel->shape & 255) != LS_VOXEL_MASKS)
-        {
-            continue;
-        }
-        const uint32_t patches = voxel->shape >> 8 & 255;
-        const uint32_t width = 1u << (voxel->shape >> 16 & 255);
-        const uint64_t shafts = 15ull * patches * patches * patches * patches;
-        const uint32_t* table = file->shafts + object->first_shaft_word + voxel->table;
-        summary->shaft_count += shafts;
-        summary->filled_shaft_count += count_filled(table, shafts * width, width);
-        if (summary->patches_least == 0 || patches < summary->patches_least)
-        {
-            summary->patches_least = patches;
-        }
-        summary->patches_most = patches > summary->patches_most ? patches : summary->patches_most;
-    }
-}
-
-// Of a checked file.
-static Summary summarize(const LsFile* file)
-{
-    Summary summary = {.triangle_count = ls_file_count(file, LS_CHUNK_TRIANGLES)};
-    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_OBJECTS); ++i)
-    {
-        const LsObject* object = &file->objects[i];
-        summary.face_count += object->face_count;
-        if (object->kind == LS_OBJECT_LIST)
-        {
-            ++summary.list_object_count;
-            continue;
-        }
-        ++summary.grid_object_count;
-        summary.cell_count += (uint64_t)object->cells[0] * object->cells[1] * object->cells[2];
-        add_voxels(&summary, file, object);
-    }
-    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); ++i)
-    {
-        const LsObject* object = &file->objects[file->instances[i].object];
-        summary.instanced_triangle_count += object->triangle_count;
-    }
-    uint64_t used = LS_HEADER_BYTES + file->header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
-    for (uint32_t i = 0; i < file->header->chunk_count; ++i)
-    {
-        used += file->entries[i].stored_bytes;
-    }
-    summary.padding_bytes = file->size - used;
-    return summary;
-}
-
-// Why a scene has no such chunk.
-static const char* explain_absence(const LsFile* file, LsChunk chunk)
-{
-    const bool lists_only = (file->header->required_features & LS_FEATURE_GRIDS) == 0;
-    switch (chunk)
-    {
-    case LS_CHUNK_TOP_NODES:
-        return "top level: one object, one instance, the identity";
-    case LS_CHUNK_NODES:
-        return "node hierarchy: the input has none";
-    case LS_CHUNK_LIGHTS:
-        return "lights: no emissive triangle";
-    case LS_CHUNK_CAMERAS:
-        return "cameras: the input has none";
-    case LS_CHUNK_BLOCKS:
-        return "grids: every object is a list of few triangles";
-    case LS_CHUNK_CELL_BLOCKS:
-        return lists_only ? "cells: no object has a grid" : "cells: every block is empty";
-    case LS_CHUNK_VOXELS:
-        return lists_only ? "voxels: no object has a grid" : "voxels: every cell is empty";
-    case LS_CHUNK_REFERENCES:
-        return lists_only ? "references: no object has a grid" : "references: no voxel is filled";
-    case LS_CHUNK_SUBGRIDS:
-        return "sub-grids: no voxel is divided";
-    case LS_CHUNK_LEAF_NODES:
-        return "leaf BVHs: no voxel needs one";
-    case LS_CHUNK_SHAFTS:
-        return "shaft masks: no voxel has enough triangles for them";
-    default:
-        return "absent";
-    }
-}
+// ---- Words --------------------------------------------------------------------------------------
 
 static const char* const voxel_kinds[4] = {"list", "masks", "subgrid", "bvh"};
+static const char* const lamp_kinds[3] = {"point", "spot", "directional"};
 
 typedef struct FeatureName
 {
@@ -172,10 +55,10 @@ static const FeatureName required_names[] = {
 };
 
 static const FeatureName optional_names[] = {
-    {LS_FEATURE_LIGHTS, "lights"},
-    {LS_FEATURE_CAMERAS, "cameras"},
-    {LS_FEATURE_NODES, "nodes"},
-    {0, NULL},
+    {LS_FEATURE_LIGHTS, "lights"},         {LS_FEATURE_CAMERAS, "cameras"},
+    {LS_FEATURE_NODES, "nodes"},           {LS_FEATURE_SURFACES, "surfaces"},
+    {LS_FEATURE_ATTRIBUTES, "attributes"}, {LS_FEATURE_LAMPS, "lamps"},
+    {LS_FEATURE_ANIMATIONS, "animations"}, {0, NULL},
 };
 
 static void format_hex(const uint8_t bytes[16], char text[33])
@@ -211,8 +94,9 @@ static void print_header(const LsFile* file, const char* path)
     const LsHeader* header = file->header;
     char source[33];
     format_hex(header->source_hash, source);
-    printf("%s: .lspace %u.%u, %" PRIu64 " bytes\n\n", path, header->version_major,
-           header->version_minor, header->file_bytes);
+    printf("%s: .lspace %u.%u, for readers from %u.%u on, %" PRIu64 " bytes\n\n", path,
+           header->version_major, header->version_minor, header->version_major,
+           header->reader_minor, header->file_bytes);
     print_features("required features", header->required_features, required_names);
     print_features("optional features", header->optional_features, optional_names);
     printf("%-18s (%g, %g, %g) to (%g, %g, %g)\n", "world bounds", (double)header->lower[0],
@@ -222,7 +106,7 @@ static void print_header(const LsFile* file, const char* path)
     printf("%-18s %s\n\n", "source hash", source);
 }
 
-static void print_chunks(const LsFile* file, const Summary* summary)
+static void print_chunks(const LsFile* file, const LsSummary* summary)
 {
     printf("%-12s %12s %6s %14s %8s\n", "chunk", "records", "each", "bytes", "share");
     for (uint32_t i = 0; i < file->header->chunk_count; ++i)
@@ -245,7 +129,7 @@ static void print_chunks(const LsFile* file, const Summary* summary)
            percent(summary->padding_bytes, file->size));
 }
 
-static void print_scene(const LsFile* file, const Summary* summary)
+static void print_scene(const LsFile* file, const LsSummary* summary)
 {
     const uint64_t voxels = ls_file_count(file, LS_CHUNK_VOXELS);
     printf("%-18s %u: %u list, %u grid\n", "objects", ls_file_count(file, LS_CHUNK_OBJECTS),
@@ -267,8 +151,30 @@ static void print_scene(const LsFile* file, const Summary* summary)
     printf("\n%-18s %u, at most %u deep\n", "sub-grids", ls_file_count(file, LS_CHUNK_SUBGRIDS),
            file->header->depth);
     printf("%-18s %u to %u per side\n", "patches", summary->patches_least, summary->patches_most);
-    printf("%-18s %" PRIu64 ", %.2f%% filled\n\n", "shafts", summary->shaft_count,
+    printf("%-18s %" PRIu64 ", %.2f%% filled\n", "shafts", summary->shaft_count,
            percent(summary->filled_shaft_count, summary->shaft_count));
+}
+
+static void print_looks(const LsFile* file, const LsSummary* summary)
+{
+    printf("%-18s %u, %u with holes\n", "surfaces", ls_file_count(file, LS_CHUNK_SURFACES),
+           summary->masked_surface_count);
+    printf("%-18s %u of %u images, %u pixels\n", "textures", ls_file_count(file, LS_CHUNK_TEXTURES),
+           ls_file_count(file, LS_CHUNK_IMAGES), ls_file_count(file, LS_CHUNK_PIXELS));
+    printf("%-18s %u objects with normals, %u and %u with texture coordinates 0 and 1, %u with "
+           "colours\n",
+           "attributes", summary->normal_object_count, summary->texcoord_object_count[0],
+           summary->texcoord_object_count[1], summary->color_object_count);
+    printf("%-18s %u, %" PRIu64 " of them the face's\n", "corner normals",
+           ls_file_count(file, LS_CHUNK_NORMALS), summary->bare_corner_count);
+    printf("%-18s %u", "lamps", ls_file_count(file, LS_CHUNK_LAMPS));
+    for (int kind = 0; kind < 3; ++kind)
+    {
+        printf("%s %u %s", kind == 0 ? ":" : ",", summary->lamp_kind_count[kind], lamp_kinds[kind]);
+    }
+    printf("\n%-18s %u of %u nodes, %u keys, at most %g s\n\n", "animations",
+           ls_file_count(file, LS_CHUNK_ANIMATIONS), summary->animated_node_count,
+           ls_file_count(file, LS_CHUNK_KEYS), summary->longest_animation);
 }
 
 static void print_absent(const LsFile* file)
@@ -279,7 +185,7 @@ static void print_absent(const LsFile* file)
     {
         if (file->chunk_entries[chunk] == NULL)
         {
-            printf("  %s\n", explain_absence(file, (LsChunk)chunk));
+            printf("  %s\n", ls_explain_absence(file, (LsChunk)chunk));
             any = true;
         }
     }
@@ -308,6 +214,8 @@ static void add_header(cJSON* root, const LsFile* file)
     snprintf(version, sizeof(version), "%u.%u", header->version_major, header->version_minor);
     format_hex(header->source_hash, source);
     cJSON_AddStringToObject(root, "format", version);
+    snprintf(version, sizeof(version), "%u.%u", header->version_major, header->reader_minor);
+    cJSON_AddStringToObject(root, "reader_format", version);
     cJSON_AddNumberToObject(root, "file_bytes", (double)header->file_bytes);
     add_features(root, "required_features", header->required_features, required_names);
     add_features(root, "optional_features", header->optional_features, optional_names);
@@ -337,7 +245,7 @@ static void add_chunks(cJSON* root, const LsFile* file)
     }
 }
 
-static void add_scene(cJSON* root, const LsFile* file, const Summary* summary)
+static void add_scene(cJSON* root, const LsFile* file, const LsSummary* summary)
 {
     const struct
     {
@@ -364,6 +272,21 @@ static void add_scene(cJSON* root, const LsFile* file, const Summary* summary)
         {"patches_most", summary->patches_most},
         {"shafts", summary->shaft_count},
         {"filled_shafts", summary->filled_shaft_count},
+        {"surfaces", ls_file_count(file, LS_CHUNK_SURFACES)},
+        {"surfaces_with_holes", summary->masked_surface_count},
+        {"textures", ls_file_count(file, LS_CHUNK_TEXTURES)},
+        {"images", ls_file_count(file, LS_CHUNK_IMAGES)},
+        {"pixels", ls_file_count(file, LS_CHUNK_PIXELS)},
+        {"objects_with_normals", summary->normal_object_count},
+        {"objects_with_texcoords_0", summary->texcoord_object_count[0]},
+        {"objects_with_texcoords_1", summary->texcoord_object_count[1]},
+        {"objects_with_colors", summary->color_object_count},
+        {"corner_normals", ls_file_count(file, LS_CHUNK_NORMALS)},
+        {"corners_without_normal", summary->bare_corner_count},
+        {"lamps", ls_file_count(file, LS_CHUNK_LAMPS)},
+        {"animations", ls_file_count(file, LS_CHUNK_ANIMATIONS)},
+        {"animated_nodes", summary->animated_node_count},
+        {"keys", ls_file_count(file, LS_CHUNK_KEYS)},
         {"padding_bytes", summary->padding_bytes},
     };
     cJSON* scene = cJSON_AddObjectToObject(root, "scene");
@@ -371,10 +294,16 @@ static void add_scene(cJSON* root, const LsFile* file, const Summary* summary)
     {
         cJSON_AddNumberToObject(scene, numbers[i].key, (double)numbers[i].value);
     }
+    cJSON_AddNumberToObject(scene, "longest_animation_seconds", summary->longest_animation);
     cJSON* kinds = cJSON_AddObjectToObject(scene, "voxel_kinds");
     for (int kind = 0; kind < 4; ++kind)
     {
         cJSON_AddNumberToObject(kinds, voxel_kinds[kind], (double)summary->voxel_kind_count[kind]);
+    }
+    cJSON* lamps = cJSON_AddObjectToObject(scene, "lamp_kinds");
+    for (int kind = 0; kind < 3; ++kind)
+    {
+        cJSON_AddNumberToObject(lamps, lamp_kinds[kind], summary->lamp_kind_count[kind]);
     }
 }
 
@@ -391,7 +320,7 @@ static LsExit refuse(LsMessage message, const char* what, const char* argument)
     return report(&error);
 }
 
-static LsExit print_json(const LsFile* file, const char* path, const Summary* summary)
+static LsExit print_json(const LsFile* file, const char* path, const LsSummary* summary)
 {
     cJSON* root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "file", path);
@@ -404,7 +333,7 @@ static LsExit print_json(const LsFile* file, const char* path, const Summary* su
         if (file->chunk_entries[chunk] == NULL)
         {
             cJSON_AddStringToObject(absent, ls_chunk_info((LsChunk)chunk).name,
-                                    explain_absence(file, (LsChunk)chunk));
+                                    ls_explain_absence(file, (LsChunk)chunk));
         }
     }
     char* text = cJSON_Print(root);
@@ -422,7 +351,7 @@ static LsExit print_json(const LsFile* file, const char* path, const Summary* su
 
 static LsExit print_info(const LsFile* file, const Options* options)
 {
-    const Summary summary = summarize(file);
+    const LsSummary summary = ls_summarize(file);
     if (options->json)
     {
         return print_json(file, options->path, &summary);
@@ -430,6 +359,7 @@ static LsExit print_info(const LsFile* file, const Options* options)
     print_header(file, options->path);
     print_chunks(file, &summary);
     print_scene(file, &summary);
+    print_looks(file, &summary);
     print_absent(file);
     return LS_EXIT_OK;
 }
