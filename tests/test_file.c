@@ -25,6 +25,7 @@ static void test_cut_at_every_length(void** state)
         LsFile file;
         LsError error = {0};
         assert_int_equal(ls_file_open(&file, bytes.bytes, size, "cut", &error), LS_ERROR_TRUNCATED);
+        assert_int_equal(error.message, LS_MESSAGE_LSPACE_CUT);
         assert_non_null(strstr(error.text, "cut short"));
         assert_null(file.header);
     }
@@ -149,7 +150,7 @@ static void write_text(const char* path, const char* text)
     assert_int_equal(fclose(file), 0);
 }
 
-static void expect_mapping(const char* path, LsResult result)
+static void expect_mapping(const char* path, LsResult result, uint32_t message)
 {
     LsMapping mapping = {.bytes = path, .size = 1};
     LsError error = {0};
@@ -158,6 +159,7 @@ static void expect_mapping(const char* path, LsResult result)
     {
         assert_null(mapping.bytes);
         assert_int_equal(error.result, result);
+        assert_int_equal(error.message, message);
         assert_memory_equal(error.text, path, strlen(path));
         assert_null(strchr(error.text, '\n'));
     }
@@ -171,20 +173,20 @@ static void test_mapping_errors(void** state)
     (void)state;
     char directory[LS_SCRATCH_PATH], path[LS_SCRATCH_PATH + 32];
     ls_scratch_create(directory);
-    expect_mapping(directory, LS_ERROR_FILE_IS_DIRECTORY);
+    expect_mapping(directory, LS_ERROR_FILE_IS_DIRECTORY, LS_MESSAGE_FILE_IS_FOLDER);
     join_path(path, directory, "missing");
-    expect_mapping(path, LS_ERROR_FILE_MISSING);
+    expect_mapping(path, LS_ERROR_FILE_MISSING, LS_MESSAGE_FILE_MISSING);
     join_path(path, directory, "empty");
     write_text(path, "");
-    expect_mapping(path, LS_ERROR_FILE_EMPTY);
+    expect_mapping(path, LS_ERROR_FILE_EMPTY, LS_MESSAGE_FILE_EMPTY);
     join_path(path, directory, "empty/below");
-    expect_mapping(path, LS_ERROR_FILE_MISSING);
+    expect_mapping(path, LS_ERROR_FILE_MISSING, LS_MESSAGE_FILE_MISSING);
     join_path(path, directory, "pipe");
     assert_int_equal(mkfifo(path, 0600), 0);
-    expect_mapping(path, LS_ERROR_FILE_READ);
+    expect_mapping(path, LS_ERROR_FILE_READ, LS_MESSAGE_FILE_NOT_REGULAR);
     join_path(path, directory, "full");
     write_text(path, "x");
-    expect_mapping(path, LS_OK);
+    expect_mapping(path, LS_OK, 0);
     ls_scratch_remove(directory);
 }
 

@@ -272,17 +272,32 @@ static void test_output_keeps_its_place(void** state)
     assert_true(S_ISCHR(status.st_mode));
 }
 
+// A summary that cannot be printed is an error; the hits are whole by then.
+static void test_full_standard_output(void** state)
+{
+    (void)state;
+    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin >/dev/full"),
+                     LS_EXIT_OUTPUT);
+    assert_string_equal(errors, "lstrace: error 4004: standard output cannot be written; "
+                                "is the disk full?\n");
+    LsHit hits[RAY_COUNT];
+    assert_int_equal(read_bytes("hits.bin", hits, sizeof(hits)), sizeof(hits));
+    unlink("hits.bin");
+}
+
 // ---- What it refuses ---------------------------------------------------------------------------
 
-// One line on standard error that names `named`, nothing on standard output, no file left behind,
+// One line on standard error with the message's number that names `named`, nothing on standard output, no file left behind,
 // and the older output as it was.
-static void check_refused(const char* format, int exit_code, const char* named)
+static void check_refused(const char* format, LsMessage message, const char* named)
 {
+    char start[32];
+    snprintf(start, sizeof(start), "lstrace: error %d: ", (int)message);
     write_bytes("hits.bin", "older", 5);
     int files = count_files();
-    assert_int_equal(run_shell(format), exit_code);
+    assert_int_equal(run_shell(format), ls_result_exit_code((LsResult)(message / 100)));
     assert_string_equal(output, "");
-    if (!strstr(errors, named) || strncmp(errors, "lstrace: ", 9) != 0 ||
+    if (!strstr(errors, named) || strncmp(errors, start, strlen(start)) != 0 ||
         strchr(errors, '\n') != errors + strlen(errors) - 1)
     {
         fail_msg("%s\nsaid: %s", format, errors);
@@ -298,76 +313,88 @@ static void test_wrong_usage(void** state)
     (void)state;
     static const struct
     {
+        LsMessage message;
         const char* command;
         const char* named;
     } CASES[] = {
-        {"%s", ".lspace"},
-        {"%s scene.lspace", "--rays"},
-        {"%s scene.lspace --rays rays.bin", "-o"},
-        {"%s --rays rays.bin -o hits.bin", ".lspace"},
-        {"%s scene.lspace scene.lspace --rays rays.bin -o hits.bin", ".lspace"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --method fast", "fast"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --repeat 0", "--repeat"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --repeat 1001", "--repeat"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --repeat -1", "--repeat"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --batch 3x", "3x"},
-        {"%s scene.lspace --rays rays.bin -o hits.bin --batch 99999999999999999999", "--batch"},
-        {"%s scene.lspace --rays rays.bin -o scene.lspace", "scene.lspace"},
-        {"%s scene.lspace --rays hits.bin -o ./hits.bin", "./hits.bin"},
+        {LS_MESSAGE_LSTRACE_FILES, "%s", ".lspace"},
+        {LS_MESSAGE_LSTRACE_FILES, "%s scene.lspace", "--rays"},
+        {LS_MESSAGE_LSTRACE_FILES, "%s scene.lspace --rays rays.bin", "-o"},
+        {LS_MESSAGE_LSTRACE_FILES, "%s --rays rays.bin -o hits.bin", ".lspace"},
+        {LS_MESSAGE_LSTRACE_FILES, "%s scene.lspace scene.lspace --rays rays.bin -o hits.bin",
+         ".lspace"},
+        {LS_MESSAGE_LSTRACE_VALUE, "%s scene.lspace --rays rays.bin -o hits.bin --method fast",
+         "fast"},
+        {LS_MESSAGE_LSTRACE_VALUE, "%s scene.lspace --rays rays.bin -o hits.bin --repeat 0",
+         "--repeat"},
+        {LS_MESSAGE_LSTRACE_VALUE, "%s scene.lspace --rays rays.bin -o hits.bin --repeat 1001",
+         "--repeat"},
+        {LS_MESSAGE_LSTRACE_VALUE, "%s scene.lspace --rays rays.bin -o hits.bin --repeat -1",
+         "--repeat"},
+        {LS_MESSAGE_LSTRACE_VALUE, "%s scene.lspace --rays rays.bin -o hits.bin --batch 3x", "3x"},
+        {LS_MESSAGE_LSTRACE_VALUE,
+         "%s scene.lspace --rays rays.bin -o hits.bin --batch 99999999999999999999", "--batch"},
+        {LS_MESSAGE_LSTRACE_OPTION, "%s scene.lspace --rays rays.bin -o hits.bin --fast", "--fast"},
+        {LS_MESSAGE_LSTRACE_OPTION, "%s scene.lspace --rays rays.bin -o hits.bin -x", "-x"},
+        {LS_MESSAGE_LSTRACE_OPTION, "%s scene.lspace --rays rays.bin -o", "missing after -o"},
+        {LS_MESSAGE_LSTRACE_REPLACES, "%s scene.lspace --rays rays.bin -o scene.lspace",
+         "scene.lspace"},
+        {LS_MESSAGE_LSTRACE_REPLACES, "%s scene.lspace --rays hits.bin -o ./hits.bin",
+         "./hits.bin"},
     };
     for (size_t i = 0; i < sizeof(CASES) / sizeof(CASES[0]); i++)
     {
-        check_refused(CASES[i].command, LS_EXIT_USAGE, CASES[i].named);
+        check_refused(CASES[i].command, CASES[i].message, CASES[i].named);
     }
-    // getopt_long begins its line with the program as it was called.
-    assert_int_equal(run_shell("%s scene.lspace --rays rays.bin -o hits.bin --fast"),
-                     LS_EXIT_USAGE);
-    assert_non_null(strstr(errors, "--fast"));
 }
 
 static void test_wrong_rays(void** state)
 {
     (void)state;
     const char* const odd = "7 bytes after the last whole ray (32 bytes each, 1000 whole)";
-    check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_EXIT_INPUT, odd);
-    check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_EXIT_INPUT, "odd.bin: ");
-    check_refused("%s scene.lspace --rays - -o hits.bin --batch 100 < odd.bin", LS_EXIT_INPUT, odd);
-    check_refused("cat odd.bin | %s scene.lspace --rays - -o hits.bin", LS_EXIT_INPUT,
+    check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_MESSAGE_RAYS_CUT, odd);
+    check_refused("%s scene.lspace --rays odd.bin -o hits.bin", LS_MESSAGE_RAYS_CUT, "odd.bin: ");
+    check_refused("%s scene.lspace --rays - -o hits.bin --batch 100 < odd.bin", LS_MESSAGE_RAYS_CUT,
+                  odd);
+    check_refused("cat odd.bin | %s scene.lspace --rays - -o hits.bin", LS_MESSAGE_RAYS_CUT,
                   "standard input: ");
-    check_refused("%s scene.lspace --rays nowhere.bin -o hits.bin", LS_EXIT_INPUT, "nowhere.bin");
-    check_refused("%s scene.lspace --rays empty.bin -o hits.bin", LS_EXIT_INPUT,
+    check_refused("%s scene.lspace --rays nowhere.bin -o hits.bin", LS_MESSAGE_FILE_MISSING,
+                  "nowhere.bin");
+    check_refused("%s scene.lspace --rays empty.bin -o hits.bin", LS_MESSAGE_FILE_EMPTY,
                   "empty.bin: is empty");
-    check_refused("%s scene.lspace --rays - -o hits.bin < empty.bin", LS_EXIT_INPUT,
+    check_refused("%s scene.lspace --rays - -o hits.bin < empty.bin", LS_MESSAGE_FILE_EMPTY,
                   "standard input: is empty");
-    check_refused("%s scene.lspace --rays folder -o hits.bin", LS_EXIT_INPUT,
+    check_refused("%s scene.lspace --rays folder -o hits.bin", LS_MESSAGE_FILE_IS_FOLDER,
                   "folder: is a directory");
 }
 
 static void test_wrong_scenes(void** state)
 {
     (void)state;
-    check_refused("%s nowhere.lspace --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "nowhere.lspace");
-    check_refused("%s folder --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "folder");
-    check_refused("%s empty.bin --rays rays.bin -o hits.bin", LS_EXIT_INPUT, "empty.bin");
-    check_refused("%s foreign.lspace --rays rays.bin -o hits.bin", LS_EXIT_LSPACE,
+    check_refused("%s nowhere.lspace --rays rays.bin -o hits.bin", LS_MESSAGE_FILE_MISSING,
+                  "nowhere.lspace");
+    check_refused("%s folder --rays rays.bin -o hits.bin", LS_MESSAGE_FILE_IS_FOLDER, "folder");
+    check_refused("%s empty.bin --rays rays.bin -o hits.bin", LS_MESSAGE_FILE_EMPTY, "empty.bin");
+    check_refused("%s foreign.lspace --rays rays.bin -o hits.bin", LS_MESSAGE_LSPACE_FOREIGN,
                   "foreign.lspace");
-    check_refused("%s cut.lspace --rays rays.bin -o hits.bin", LS_EXIT_LSPACE, "cut.lspace");
+    check_refused("%s cut.lspace --rays rays.bin -o hits.bin", LS_MESSAGE_LSPACE_CUT, "cut.lspace");
 }
 
 static void test_wrong_outputs(void** state)
 {
     (void)state;
-    check_refused("%s scene.lspace --rays rays.bin -o folder", LS_EXIT_OUTPUT,
+    check_refused("%s scene.lspace --rays rays.bin -o folder", LS_MESSAGE_OUTPUT_IS_FOLDER,
                   "folder: is a directory");
-    check_refused("%s scene.lspace --rays rays.bin -o nowhere/hits.bin", LS_EXIT_OUTPUT,
-                  "nowhere/hits.bin");
-    check_refused("%s scene.lspace --rays rays.bin -o ''", LS_EXIT_OUTPUT, "cannot be written");
-    check_refused("%s scene.lspace --rays rays.bin -o /dev/full", LS_EXIT_OUTPUT,
+    check_refused("%s scene.lspace --rays rays.bin -o nowhere/hits.bin",
+                  LS_MESSAGE_OUTPUT_UNWRITABLE, "nowhere/hits.bin");
+    check_refused("%s scene.lspace --rays rays.bin -o ''", LS_MESSAGE_OUTPUT_UNWRITABLE,
+                  "cannot be written");
+    check_refused("%s scene.lspace --rays rays.bin -o /dev/full", LS_MESSAGE_OUTPUT_FULL,
                   "/dev/full: no space left");
     // A file that may not grow so far: the same error in the middle of the work.
     check_refused(
         "trap '' XFSZ; ulimit -f 20; %s scene.lspace --rays rays.bin -o hits.bin --batch 500",
-        LS_EXIT_OUTPUT, "hits.bin: no space left");
+        LS_MESSAGE_OUTPUT_FULL, "hits.bin: no space left");
 }
 
 static void test_no_device(void** state)
@@ -375,9 +402,13 @@ static void test_no_device(void** state)
     (void)state;
     check_refused("VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json "
                   "%s scene.lspace --rays rays.bin -o hits.bin",
-                  LS_EXIT_DEVICE, "no Vulkan driver was found: install mesa-vulkan-drivers");
+                  LS_MESSAGE_VULKAN_DRIVER,
+                  "no Vulkan driver was found: install mesa-vulkan-drivers");
+    check_refused("LS_VALIDATION=1 VK_LAYER_PATH=/nowhere "
+                  "%s scene.lspace --rays rays.bin -o hits.bin",
+                  LS_MESSAGE_VULKAN_LAYER, "install vulkan-validationlayers");
     check_refused("%s scene.lspace --rays rays.bin -o hits.bin --device 'no such GPU'",
-                  LS_EXIT_DEVICE, "\"no such GPU\"; there are: ");
+                  LS_MESSAGE_DEVICE_NAME, "\"no such GPU\"; there are: ");
 }
 
 int main(int argc, char** argv)
@@ -388,11 +419,17 @@ int main(int argc, char** argv)
         return 1;
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_help_and_version),    cmocka_unit_test(test_hits),
-        cmocka_unit_test(test_streaming),           cmocka_unit_test(test_any_hit),
-        cmocka_unit_test(test_repeat_prints_times), cmocka_unit_test(test_output_keeps_its_place),
-        cmocka_unit_test(test_wrong_usage),         cmocka_unit_test(test_wrong_rays),
-        cmocka_unit_test(test_wrong_scenes),        cmocka_unit_test(test_wrong_outputs),
+        cmocka_unit_test(test_help_and_version),
+        cmocka_unit_test(test_hits),
+        cmocka_unit_test(test_streaming),
+        cmocka_unit_test(test_any_hit),
+        cmocka_unit_test(test_repeat_prints_times),
+        cmocka_unit_test(test_output_keeps_its_place),
+        cmocka_unit_test(test_full_standard_output),
+        cmocka_unit_test(test_wrong_usage),
+        cmocka_unit_test(test_wrong_rays),
+        cmocka_unit_test(test_wrong_scenes),
+        cmocka_unit_test(test_wrong_outputs),
         cmocka_unit_test(test_no_device),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

@@ -159,9 +159,12 @@ static void expect_old(const Target* target)
     assert_int_equal(ls_scratch_count(target->directory), 1);
 }
 
-// One line that begins with the path, and nothing changed.
-static void expect_refusal(const Target* target, const char* path, const LsError* error)
+// One line of that number that begins with the path, and nothing changed.
+static void expect_refusal(const Target* target, const char* path, LsMessage message,
+                           const LsError* error)
 {
+    assert_int_equal(error->message, message);
+    assert_int_equal(error->result, message / 100);
     assert_memory_equal(error->text, path, strlen(path));
     assert_null(strchr(error->text, '\n'));
     expect_old(target);
@@ -197,26 +200,26 @@ static void test_every_call_fails(void** state)
     {
         Call call;
         int reason;
-        LsResult result;
+        LsMessage message;
     } faults[] = {
-        {CALL_OPEN, EACCES, LS_ERROR_OUTPUT},
-        {CALL_OPEN, ENOSPC, LS_ERROR_OUTPUT_FULL},
-        {CALL_FALLOCATE, ENOSPC, LS_ERROR_OUTPUT_FULL},
-        {CALL_FALLOCATE, EFBIG, LS_ERROR_OUTPUT_FULL},
-        {CALL_TRUNCATE, EIO, LS_ERROR_OUTPUT},
-        {CALL_WRITE, ENOSPC, LS_ERROR_OUTPUT_FULL},
-        {CALL_WRITE, EDQUOT, LS_ERROR_OUTPUT_FULL},
-        {CALL_WRITE, EIO, LS_ERROR_OUTPUT},
-        {CALL_SYNC, EIO, LS_ERROR_OUTPUT},
-        {CALL_SYNC, ENOSPC, LS_ERROR_OUTPUT_FULL},
-        {CALL_RENAME, EACCES, LS_ERROR_OUTPUT},
+        {CALL_OPEN, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {CALL_OPEN, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_FALLOCATE, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_FALLOCATE, EFBIG, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_TRUNCATE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {CALL_WRITE, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_WRITE, EDQUOT, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_WRITE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {CALL_SYNC, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {CALL_SYNC, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
+        {CALL_RENAME, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE},
     };
     Target* target = create_target();
     uint32_t failures = 0;
     for (size_t i = 0; i < 2 * sizeof(faults) / sizeof(faults[0]); ++i)
     {
         Write* write = writes[i % 2];
-        LsResult result = faults[i / 2].result;
+        LsResult result = (LsResult)(faults[i / 2].message / 100);
         for (int after = 0; result != LS_OK; ++after)
         {
             fault.call = faults[i / 2].call;
@@ -233,8 +236,8 @@ static void test_every_call_fails(void** state)
             }
             else
             {
-                assert_int_equal(result, faults[i / 2].result);
-                expect_refusal(target, target->path, &error);
+                expect_refusal(target, target->path, faults[i / 2].message, &error);
+                assert_int_equal(result, error.result);
                 ++failures;
             }
         }
@@ -269,14 +272,21 @@ static void test_calls_that_are_retried(void** state)
     destroy_target(target);
 }
 
-static void expect_output_error(const Target* target, const char* path)
+static void expect_output_error(const Target* target, const char* path, LsMessage message)
 {
     for (int i = 0; i < 2; ++i)
     {
         LsError error = {0};
         assert_int_equal(writes[i](target, path, &error), LS_ERROR_OUTPUT);
         assert_int_equal(ls_result_exit_code(error.result), LS_EXIT_OUTPUT);
-        expect_refusal(target, path, &error);
+        expect_refusal(target, path, message, &error);
+        // Known beforehand too, but for what only trying tells.
+        if (message != LS_MESSAGE_OUTPUT_UNWRITABLE)
+        {
+            LsError early = {0};
+            assert_int_equal(ls_output_check(path, &early), LS_ERROR_OUTPUT);
+            assert_int_equal(early.message, message);
+        }
     }
 }
 
@@ -285,18 +295,18 @@ static void test_places_that_are_no_files(void** state)
     (void)state;
     Target* target = create_target();
     char path[LS_SCRATCH_PATH + 32];
-    expect_output_error(target, target->directory);
+    expect_output_error(target, target->directory, LS_MESSAGE_OUTPUT_IS_FOLDER);
     join_path(path, target->directory, "");
-    expect_output_error(target, path);
+    expect_output_error(target, path, LS_MESSAGE_OUTPUT_IS_FOLDER);
     join_path(path, target->directory, "missing/scene.lspace");
-    expect_output_error(target, path);
+    expect_output_error(target, path, LS_MESSAGE_OUTPUT_UNWRITABLE);
     join_path(path, target->directory, "scene.lspace/below");
-    expect_output_error(target, path);
+    expect_output_error(target, path, LS_MESSAGE_OUTPUT_UNWRITABLE);
     join_path(path, target->directory, "new/");
-    expect_output_error(target, path);
-    expect_output_error(target, "");
-    expect_output_error(target, "/dev/null");
-    expect_output_error(target, "/dev/full");
+    expect_output_error(target, path, LS_MESSAGE_OUTPUT_IS_FOLDER);
+    expect_output_error(target, "", LS_MESSAGE_OUTPUT_UNWRITABLE);
+    expect_output_error(target, "/dev/null", LS_MESSAGE_OUTPUT_NOT_REGULAR);
+    expect_output_error(target, "/dev/full", LS_MESSAGE_OUTPUT_NOT_REGULAR);
     struct stat status;
     assert_int_equal(stat("/dev/null", &status), 0);
     assert_true(S_ISCHR(status.st_mode));
@@ -322,7 +332,7 @@ static void test_limit_of_file_size(void** state)
     for (int i = 0; i < 2; ++i)
     {
         assert_int_equal(results[i], LS_ERROR_OUTPUT_FULL);
-        expect_refusal(target, target->path, &errors[i]);
+        expect_refusal(target, target->path, LS_MESSAGE_OUTPUT_FULL, &errors[i]);
     }
     destroy_target(target);
 }
@@ -372,7 +382,7 @@ static void test_limit_of_the_format(void** state)
     assert_true(ls_file_desc_bytes(&target->fixture.desc) > 0xFFFFFFFFull * sizeof(LsCellBlock));
     LsError error = {0};
     assert_int_equal(write_scene(target, target->path, &error), LS_ERROR_INPUT_LIMIT);
-    expect_refusal(target, target->path, &error);
+    expect_refusal(target, target->path, LS_MESSAGE_LIMIT_FILE_BYTES, &error);
     destroy_target(target);
 }
 
