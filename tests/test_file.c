@@ -1,11 +1,15 @@
 // test_file.c - mapping and opening files: what is missing, cut, changed or of another version.
 
+#define _DEFAULT_SOURCE // truncate and symlink
+
 #include "file_fixture.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 // ---- Opening ------------------------------------------------------------------------------------
 
@@ -137,6 +141,20 @@ static void test_every_bit_flip_is_caught(void** state)
 
 // ---- Mapping ------------------------------------------------------------------------------------
 
+// Cut just before the mapping's pages are brought in; the linker leads that call through here.
+static const char* path_to_cut;
+
+int __real_madvise(void* bytes, size_t size, int advice);
+int __wrap_madvise(void* bytes, size_t size, int advice);
+int __wrap_madvise(void* bytes, size_t size, int advice)
+{
+    if (path_to_cut != NULL)
+    {
+        assert_int_equal(truncate(path_to_cut, 1), 0);
+    }
+    return __real_madvise(bytes, size, advice);
+}
+
 static void join_path(char path[LS_SCRATCH_PATH + 32], const char* directory, const char* name)
 {
     snprintf(path, LS_SCRATCH_PATH + 32, "%s/%s", directory, name);
@@ -184,9 +202,27 @@ static void test_mapping_errors(void** state)
     join_path(path, directory, "pipe");
     assert_int_equal(mkfifo(path, 0600), 0);
     expect_mapping(path, LS_ERROR_FILE_READ, LS_MESSAGE_FILE_NOT_REGULAR);
+    join_path(path, directory, "loop");
+    assert_int_equal(symlink("loop", path), 0);
+    expect_mapping(path, LS_ERROR_FILE_READ, LS_MESSAGE_FILE_UNREADABLE);
     join_path(path, directory, "full");
     write_text(path, "x");
     expect_mapping(path, LS_OK, 0);
+    ls_scratch_remove(directory);
+}
+
+static void test_cut_while_read(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    char directory[LS_SCRATCH_PATH], path[LS_SCRATCH_PATH + 32];
+    ls_scratch_create(directory);
+    join_path(path, directory, "scene.lspace");
+    assert_int_equal(ls_file_write(&fixture.desc, path, NULL), LS_OK);
+    path_to_cut = path;
+    expect_mapping(path, LS_ERROR_FILE_READ, LS_MESSAGE_FILE_CHANGED);
+    path_to_cut = NULL;
     ls_scratch_remove(directory);
 }
 
@@ -224,6 +260,7 @@ int main(void)
         cmocka_unit_test(test_later_minor),
         cmocka_unit_test(test_every_bit_flip_is_caught),
         cmocka_unit_test(test_mapping_errors),
+        cmocka_unit_test(test_cut_while_read),
         cmocka_unit_test(test_mapping_survives_replacement),
     };
     return cmocka_run_group_tests_name("file", tests, NULL, NULL);
