@@ -146,6 +146,10 @@ static void VKAPI_CALL fake_CmdCopyBuffer(VkCommandBuffer commands, VkBuffer fro
                                           uint32_t count, const VkBufferCopy* regions)
 {
     ls_fake_vulkan.copy_count++;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        ls_fake_vulkan.copied_bytes += regions[i].size;
+    }
     driver_CmdCopyBuffer(commands, from, to, count, regions);
 }
 
@@ -200,14 +204,56 @@ static void VKAPI_CALL fake_GetPhysicalDeviceFeatures2(VkPhysicalDevice physical
     take_features(features);
 }
 
-// In the place of the loader's function of that name.
+// In the place of the loader's functions of these names.
+#define FIND_LOADER(name) \
+    PFN_##name loader;    \
+    *(void**)&loader = dlsym(RTLD_NEXT, #name)
+
+VKAPI_ATTR VkResult VKAPI_CALL vkEnumeratePhysicalDevices(VkInstance instance, uint32_t* count,
+                                                          VkPhysicalDevice* devices)
+{
+    if (ls_fake_vulkan.no_devices)
+    {
+        *count = 0;
+        return VK_SUCCESS;
+    }
+    FIND_LOADER(vkEnumeratePhysicalDevices);
+    return loader(instance, count, devices);
+}
+
+VKAPI_ATTR void VKAPI_CALL vkGetPhysicalDeviceProperties(VkPhysicalDevice physical_device,
+                                                         VkPhysicalDeviceProperties* properties)
+{
+    FIND_LOADER(vkGetPhysicalDeviceProperties);
+    loader(physical_device, properties);
+    if (ls_fake_vulkan.api_version)
+    {
+        properties->apiVersion = ls_fake_vulkan.api_version;
+    }
+}
+
 VKAPI_ATTR void VKAPI_CALL vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physical_device,
                                                         VkPhysicalDeviceFeatures2* features)
 {
-    PFN_vkGetPhysicalDeviceFeatures2 loader;
-    *(void**)&loader = dlsym(RTLD_NEXT, "vkGetPhysicalDeviceFeatures2");
+    FIND_LOADER(vkGetPhysicalDeviceFeatures2);
     loader(physical_device, features);
     take_features(features);
+}
+
+static void take_compute(uint32_t count, VkQueueFamilyProperties* families)
+{
+    for (uint32_t i = 0; families && ls_fake_vulkan.no_compute && i < count; i++)
+    {
+        families[i].queueFlags &= ~(VkQueueFlags)VK_QUEUE_COMPUTE_BIT;
+    }
+}
+
+VKAPI_ATTR void VKAPI_CALL vkGetPhysicalDeviceQueueFamilyProperties(
+    VkPhysicalDevice physical_device, uint32_t* count, VkQueueFamilyProperties* families)
+{
+    FIND_LOADER(vkGetPhysicalDeviceQueueFamilyProperties);
+    loader(physical_device, count, families);
+    take_compute(*count, families);
 }
 
 static PFN_vkGetPhysicalDeviceQueueFamilyProperties driver_GetPhysicalDeviceQueueFamilyProperties;
@@ -215,10 +261,7 @@ static void VKAPI_CALL fake_GetPhysicalDeviceQueueFamilyProperties(
     VkPhysicalDevice physical_device, uint32_t* count, VkQueueFamilyProperties* families)
 {
     driver_GetPhysicalDeviceQueueFamilyProperties(physical_device, count, families);
-    for (uint32_t i = 0; families && ls_fake_vulkan.no_compute && i < *count; i++)
-    {
-        families[i].queueFlags &= ~(VkQueueFlags)VK_QUEUE_COMPUTE_BIT;
-    }
+    take_compute(*count, families);
 }
 
 // Separate memory: type 0 is the driver's type 0 of which the host sees nothing, type 1 the same
@@ -237,6 +280,10 @@ static void VKAPI_CALL fake_GetPhysicalDeviceMemoryProperties(
             VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT, 1};
         memory->memoryHeapCount = 2;
         memory->memoryHeaps[1] = (VkMemoryHeap){memory->memoryHeaps[0].size, 0};
+    }
+    if (ls_fake_vulkan.no_memory)
+    {
+        memory->memoryTypeCount = 0;
     }
 }
 

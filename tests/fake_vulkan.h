@@ -2,8 +2,8 @@
 // objects counted.
 //
 // The functions stand between a library and the driver: hand ls_fake_get_instance_proc_addr to
-// ls_context_create. Of the functions that programs link, vkGetPhysicalDeviceFeatures2 is replaced.
-// What is not faked goes straight to the driver. One test at a time.
+// ls_context_create. Of the functions that programs link, vkEnumeratePhysicalDevices and those that ask
+// a physical device for features, properties and queue families are replaced. What is not faked goes straight to the driver. One test at a time.
 
 #ifndef LS_TEST_FAKE_VULKAN_H
 #define LS_TEST_FAKE_VULKAN_H
@@ -21,6 +21,8 @@ typedef struct LsFakeVulkan
     const char* missing_function; // not found by name
     bool no_buffer_address;       // the feature bufferDeviceAddress is not there
     bool no_compute;              // no queue family computes
+    bool no_devices;              // programs find no device at all
+    bool no_memory;               // there is no kind of memory
     VkDriverId driver;
     uint32_t api_version;
     uint32_t max_group_count;
@@ -32,6 +34,7 @@ typedef struct LsFakeVulkan
     int64_t live_objects;    // created and not destroyed
     uint32_t dispatch_count;
     uint32_t copy_count;
+    uint64_t copied_bytes;
     uint32_t submit_count;
 } LsFakeVulkan;
 

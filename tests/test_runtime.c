@@ -351,6 +351,11 @@ static void test_wrong_arguments(void** state)
         .hits = gpu.tracer.output.address,
         .ray_count = 1,
     };
+    static const LsMessage MESSAGES[9] = {
+        LS_MESSAGE_TRACE_TIMES,   LS_MESSAGE_TRACE_FLAGS,   LS_MESSAGE_TRACE_METHOD,
+        LS_MESSAGE_TRACE_ADDRESS, LS_MESSAGE_TRACE_ADDRESS, LS_MESSAGE_TRACE_ADDRESS,
+        LS_MESSAGE_TRACE_ADDRESS, LS_MESSAGE_TRACE_ADDRESS, LS_MESSAGE_TRACE_COUNT,
+    };
     LsTraceDesc wrong[9];
     for (int i = 0; i < 9; i++)
     {
@@ -372,6 +377,7 @@ static void test_wrong_arguments(void** state)
     {
         assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], &error),
                          LS_ERROR_ARGUMENT);
+        assert_int_equal(error.message, MESSAGES[i]);
         assert_int_equal(ls_trace_record(scene->scene, commands, &wrong[i], NULL),
                          LS_ERROR_ARGUMENT);
     }
@@ -397,6 +403,7 @@ static void test_broken_rule(void** state)
     assert_int_equal(ls_scene_create(gpu.context, &file, "broken.lspace", &scene, &error),
                      LS_ERROR_RULE);
     assert_null(scene);
+    assert_int_equal(error.message, LS_MESSAGE_LSPACE_RULE);
     assert_non_null(strstr(error.text, "broken.lspace"));
     assert_non_null(strstr(error.text, "R4.4"));
     free(bytes);
@@ -523,12 +530,106 @@ static void test_staging(void** state)
     close_faked(&faked);
 }
 
-static void check_context_refused(LsFakeVulkan fake, LsResult expected, const char* named)
+// What tracing and shading do not read stays in the file: not a byte more is uploaded.
+static void test_looks_stay_in_the_file(void** state)
+{
+    (void)state;
+    LsMapping mapping;
+    LsFile file;
+    LsError error;
+    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
+    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error),
+                     LS_OK);
+    LsFileDesc desc = ls_file_desc(&file);
+    const LsSurface surface = {.ior = 1.5f,
+                               .alpha = 1,
+                               .metallic_roughness_texture = LS_NONE,
+                               .normal_texture = LS_NONE,
+                               .emissive_texture = LS_NONE,
+                               .transmission_texture = LS_NONE};
+    const LsTexture texture = {.row_u = {1, 0, 0, 0}, .row_v = {0, 1, 0, 0}};
+    const LsImage image = {.width = 64, .height = 32};
+    const uint32_t pixels[64 * 32] = {0xFFFFFFFF};
+    const LsAttributes attributes = {0, {0, LS_NONE}, 0};
+    const uint32_t normals[6] = {0};
+    const LsTexcoord texcoords[6] = {{0, 0}};
+    const LsCornerColor colors[6] = {{0, 0}};
+    const LsLamp lamp = {.kind = LS_LAMP_DIRECTIONAL,
+                         .direction = {0, 0, -1},
+                         .node = LS_NONE,
+                         .cos_inner = 1,
+                         .cos_outer = -1};
+    const LsSceneNode node = {.parent_from_node = {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}},
+                              .parent = LS_NONE};
+    const LsAnimation animation = {.channel_count = 3};
+    const LsChannel channels[3] = {
+        {.path = LS_PATH_TRANSLATION, .key_count = 1, .first_value = 1},
+        {.path = LS_PATH_ROTATION, .key_count = 1, .first_value = 4},
+        {.path = LS_PATH_SCALE, .key_count = 1, .first_value = 8},
+    };
+    const float keys[11] = {0, /**/ 0, 0, 0, /**/ 0, 0, 0, 1, /**/ 1, 1, 1};
+    const LsFileDesc plain = desc;
+    LsMaterial materials[2] = {desc.materials[0], desc.materials[1]};
+    materials[1].surface = 1;
+    desc.materials = materials;
+    assert_int_equal(desc.MATERIALS_count, 2);
+    assert_int_equal(desc.TRIANGLES_count, 2);
+#define ADD_CHUNK(NAME, field, bytes) \
+    desc.field = bytes;               \
+    desc.NAME##_count = sizeof(bytes) / sizeof(*desc.field);
+#define ADD_RECORD(NAME, field, record) \
+    desc.field = &record;               \
+    desc.NAME##_count = 1;
+    ADD_RECORD(NODES, nodes, node)
+    ADD_RECORD(SURFACES, surfaces, surface)
+    ADD_RECORD(TEXTURES, textures, texture)
+    ADD_RECORD(IMAGES, images, image)
+    ADD_CHUNK(PIXELS, pixels, pixels)
+    ADD_RECORD(ATTRIBUTES, attributes, attributes)
+    ADD_CHUNK(NORMALS, normals, normals)
+    ADD_CHUNK(TEXCOORDS, texcoords, texcoords)
+    ADD_CHUNK(COLORS, colors, colors)
+    ADD_RECORD(LAMPS, lamps, lamp)
+    ADD_RECORD(ANIMATIONS, animations, animation)
+    ADD_CHUNK(CHANNELS, channels, channels)
+    ADD_CHUNK(KEYS, keys, keys)
+#undef ADD_RECORD
+#undef ADD_CHUNK
+    char path[64];
+    snprintf(path, sizeof(path), "%s/looks.lspace", folder);
+    const LsFileDesc* const descs[2] = {&plain, &desc};
+    uint64_t device_bytes[2], copied_bytes[2];
+    for (int i = 0; i < 2; i++)
+    {
+        assert_int_equal(ls_file_write(descs[i], path, &error), LS_OK);
+        LsGpu faked;
+        open_faked(&faked, (LsFakeVulkan){.separate_memory = gpu.device.is_cpu});
+        LsGpuScene scene;
+        ls_gpu_scene_open(&faked, &scene, path);
+        assert_int_equal(ls_file_count(&scene.file, LS_CHUNK_PIXELS), i * 64 * 32);
+        device_bytes[i] = ls_scene_device_bytes(scene.scene);
+        copied_bytes[i] = ls_fake_vulkan.copied_bytes;
+        LsHit hit;
+        LsRay ray = ray_down(0.75f, 0.25f);
+        ls_gpu_trace(&faked, &scene, LS_TRACE_EXACT, 0, &ray, NULL, 1, &hit);
+        check_hit(hit, (LsHit){.t = 1, .u = 0.5f, .v = 0.25f, .primitive = 0, .material = 0});
+        ls_gpu_scene_close(&scene);
+        close_faked(&faked);
+    }
+    assert_int_equal(copied_bytes[0], device_bytes[0]);
+    assert_int_equal(device_bytes[1], device_bytes[0]);
+    assert_int_equal(copied_bytes[1], copied_bytes[0]);
+    ls_mapping_close(&mapping);
+    unlink(path);
+}
+
+static void check_context_refused(LsFakeVulkan fake, LsMessage message, const char* named)
 {
     LsContextDesc desc = fake_desc(fake);
     LsContext* context = (LsContext*)&desc;
     LsError error;
-    assert_int_equal(ls_context_create(&desc, &context, &error), expected);
+    assert_int_equal(ls_context_create(&desc, &context, &error), message / 100);
+    assert_int_equal(error.message, message);
     assert_null(context);
     assert_non_null(strstr(error.text, named));
     assert_null(strchr(error.text, '\n'));
@@ -538,41 +639,57 @@ static void check_context_refused(LsFakeVulkan fake, LsResult expected, const ch
 static void test_devices_that_lack_something(void** state)
 {
     (void)state;
-    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE,
-                          "bufferDeviceAddress");
-    check_context_refused((LsFakeVulkan){.no_buffer_address = true}, LS_ERROR_DEVICE_FEATURE,
-                          gpu.device.name);
-    check_context_refused((LsFakeVulkan){.no_compute = true}, LS_ERROR_DEVICE_FEATURE,
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true},
+                          LS_MESSAGE_DEVICE_BUFFER_ADDRESS, "bufferDeviceAddress");
+    check_context_refused((LsFakeVulkan){.no_buffer_address = true},
+                          LS_MESSAGE_DEVICE_BUFFER_ADDRESS, gpu.device.name);
+    check_context_refused((LsFakeVulkan){.no_compute = true}, LS_MESSAGE_DEVICE_COMPUTE,
                           "cannot compute");
     check_context_refused((LsFakeVulkan){.api_version = VK_API_VERSION_1_1},
-                          LS_ERROR_DEVICE_FEATURE, "1.1");
+                          LS_MESSAGE_DEVICE_VERSION, "1.1");
     check_context_refused((LsFakeVulkan){.missing_function = "vkGetDeviceProcAddr"},
-                          LS_ERROR_DEVICE, "vkGetDeviceProcAddr");
-    check_context_refused((LsFakeVulkan){.missing_function = "vkCmdDispatch"}, LS_ERROR_DEVICE,
-                          "vkCmdDispatch");
+                          LS_MESSAGE_VULKAN_FUNCTION, "vkGetDeviceProcAddr");
+    check_context_refused((LsFakeVulkan){.missing_function = "vkCmdDispatch"},
+                          LS_MESSAGE_VULKAN_FUNCTION, "vkCmdDispatch");
 }
 
 // The programs ask the loader's own functions before they create a device.
-static void test_programs_without_buffer_addresses(void** state)
+static void check_program_refused(LsFakeVulkan fake, LsMessage message, const char* named)
 {
-    (void)state;
-    ls_fake_vulkan = (LsFakeVulkan){.no_buffer_address = true};
+    ls_fake_vulkan = fake;
     LsAppDevice device;
     LsAppDeviceDesc desc = {0};
     LsError error;
-    assert_int_equal(ls_app_device_create(&device, &desc, &error), LS_ERROR_DEVICE_FEATURE);
+    assert_int_equal(ls_app_device_create(&device, &desc, &error), message / 100);
+    assert_int_equal(error.message, message);
     assert_null(device.instance);
-    assert_non_null(strstr(error.text, "lacks bufferDeviceAddress"));
+    assert_non_null(strstr(error.text, named));
+    assert_null(strchr(error.text, '\n'));
+}
+
+static void test_programs_without_a_fit_device(void** state)
+{
+    (void)state;
+    check_program_refused((LsFakeVulkan){.no_devices = true}, LS_MESSAGE_DEVICE_NONE,
+                          "no Vulkan device was found");
+    check_program_refused((LsFakeVulkan){.api_version = VK_API_VERSION_1_1},
+                          LS_MESSAGE_DEVICE_VERSION, "lacks Vulkan 1.2");
+    check_program_refused((LsFakeVulkan){.no_buffer_address = true},
+                          LS_MESSAGE_DEVICE_BUFFER_ADDRESS, "lacks bufferDeviceAddress");
+    check_program_refused((LsFakeVulkan){.no_compute = true}, LS_MESSAGE_DEVICE_COMPUTE,
+                          "lacks a compute queue");
     ls_fake_vulkan = (LsFakeVulkan){0};
+    LsAppDevice device;
+    LsAppDeviceDesc desc = {0};
+    LsError error;
     assert_int_equal(ls_app_device_create(&device, &desc, &error), LS_OK);
     ls_app_device_destroy(&device);
 }
 
-static void test_array_larger_than_a_buffer(void** state)
+static void check_scene_refused(LsFakeVulkan fake, LsMessage message, const char* named)
 {
-    (void)state;
     LsGpu faked;
-    open_faked(&faked, (LsFakeVulkan){.max_allocation_bytes = 14 << 20});
+    open_faked(&faked, fake);
     LsMapping mapping;
     LsFile file;
     LsError error;
@@ -581,12 +698,36 @@ static void test_array_larger_than_a_buffer(void** state)
                      LS_OK);
     LsScene* scene;
     assert_int_equal(ls_scene_create(faked.context, &file, "large.lspace", &scene, &error),
-                     LS_ERROR_DEVICE_MEMORY);
+                     message / 100);
+    assert_int_equal(error.message, message);
     assert_null(scene);
-    assert_non_null(strstr(error.text, "large.lspace: TRIANGLES takes 15.2 MiB"));
-    assert_non_null(strstr(error.text, "14.0 MiB"));
+    assert_non_null(strstr(error.text, named));
     ls_mapping_close(&mapping);
     close_faked(&faked);
+}
+
+static void test_no_kind_of_memory(void** state)
+{
+    (void)state;
+    check_scene_refused((LsFakeVulkan){.no_memory = true}, LS_MESSAGE_DEVICE_MEMORY_KIND,
+                        "large.lspace: the device has no kind of memory");
+}
+
+static void test_array_larger_than_a_buffer(void** state)
+{
+    (void)state;
+    check_scene_refused(
+        (LsFakeVulkan){.max_allocation_bytes = 14 << 20}, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
+        "large.lspace: TRIANGLES takes 15.2 MiB, but the device's largest buffer is "
+        "14.0 MiB");
+    // The programs' own buffers have the same limit.
+    LsAppDevice small = gpu.device;
+    small.max_buffer_bytes = 1 << 20;
+    LsAppTracer tracer;
+    LsError error;
+    assert_int_equal(ls_app_tracer_create(&small, 1 << 20, &tracer, &error),
+                     LS_ERROR_DEVICE_MEMORY);
+    assert_int_equal(error.message, LS_MESSAGE_DEVICE_BUFFER_LIMIT);
 }
 
 // Two instances of the large list are more than llvmpipe can loop over.
@@ -631,6 +772,7 @@ static void test_brute_force_beyond_the_loops(void** state)
         if (i == 0 || result != LS_OK)
         {
             assert_int_equal(result, LS_ERROR_DEVICE_FEATURE);
+            assert_int_equal(error.message, LS_MESSAGE_DEVICE_LOOPS);
             assert_non_null(strstr(error.text, i == 0 ? "choose a GPU" : "ended the loops"));
             assert_true(i == 0 || gpu.device.is_cpu);
         }
@@ -667,12 +809,12 @@ static uint32_t fail_each_call(bool separate_memory)
     static const struct
     {
         VkResult code;
-        LsResult result;
+        LsMessage message;
     } FAILURES[] = {
-        {VK_ERROR_OUT_OF_DEVICE_MEMORY, LS_ERROR_DEVICE_MEMORY},
-        {VK_ERROR_OUT_OF_HOST_MEMORY, LS_ERROR_MEMORY},
-        {VK_ERROR_DEVICE_LOST, LS_ERROR_DEVICE_LOST},
-        {VK_ERROR_INITIALIZATION_FAILED, LS_ERROR_DEVICE},
+        {VK_ERROR_OUT_OF_DEVICE_MEMORY, LS_MESSAGE_DEVICE_MEMORY_FULL},
+        {VK_ERROR_OUT_OF_HOST_MEMORY, LS_MESSAGE_OUT_OF_MEMORY},
+        {VK_ERROR_DEVICE_LOST, LS_MESSAGE_DEVICE_LOST},
+        {VK_ERROR_INITIALIZATION_FAILED, LS_MESSAGE_VULKAN_CALL},
     };
     LsMapping mapping;
     LsFile file;
@@ -697,7 +839,8 @@ static uint32_t fail_each_call(bool separate_memory)
             assert_int_equal(result, LS_OK);
             break;
         }
-        assert_int_equal(result, FAILURES[n % 4].result);
+        assert_int_equal(error.message, FAILURES[n % 4].message);
+        assert_int_equal(result, error.message / 100);
         assert_int_equal(error.result, result);
         assert_non_null(strstr(error.text, ls_fake_vulkan.failed_call));
         assert_null(strchr(error.text, '\n'));
@@ -740,6 +883,7 @@ static void test_more_rounds_than_a_device_has(void** state)
     else
     {
         assert_int_equal(result, LS_ERROR_DEVICE_FEATURE);
+        assert_int_equal(error.message, LS_MESSAGE_DEVICE_LOOPS);
         assert_true(gpu.device.is_cpu);
         assert_int_equal(gpu.tracer.hits[0].flags, LS_HIT_CUT);
     }
@@ -767,7 +911,9 @@ int main(void)
         cmocka_unit_test(test_devices_that_lack_something),
         cmocka_unit_test(test_array_larger_than_a_buffer),
         cmocka_unit_test(test_brute_force_beyond_the_loops),
-        cmocka_unit_test(test_programs_without_buffer_addresses),
+        cmocka_unit_test(test_programs_without_a_fit_device),
+        cmocka_unit_test(test_no_kind_of_memory),
+        cmocka_unit_test(test_looks_stay_in_the_file),
         cmocka_unit_test(test_each_call_fails_once),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);

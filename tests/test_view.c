@@ -445,6 +445,7 @@ static void test_reset(void** state)
     LsError error = {0};
     view.settings.depth = 0;
     assert_int_equal(ls_render_set(view.render, &view.settings, NULL, &error), LS_ERROR_ARGUMENT);
+    assert_int_equal(error.message, LS_MESSAGE_PICTURE_SETTINGS);
     free(clean);
     free(after);
     close_view(&fresh);
@@ -560,27 +561,33 @@ static void test_program_errors(void** state)
     const struct
     {
         const char* arguments[8];
-        int exit_code;
+        LsMessage message;
     } cases[] = {
-        {{scene}, LS_EXIT_USAGE},
-        {{"--headless", scene}, LS_EXIT_USAGE},
-        {{"--headless", "-o", png}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o"}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o", png, "--wrong"}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o", png, "--size", "0x10"}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o", png, "--samples", "12x"}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o", png, "--report", "xml"}, LS_EXIT_USAGE},
-        {{"--headless", scene, "-o", png, "--exr", png}, LS_EXIT_USAGE},
-        {{"--headless", FOLDER "missing.lspace", "-o", png}, LS_EXIT_INPUT},
-        {{"--headless", FOLDER "cut.lspace", "-o", png}, LS_EXIT_LSPACE},
-        {{"--headless", scene, "-o", FOLDER}, LS_EXIT_OUTPUT},
-        {{"--headless", scene, "-o", FOLDER "no/such/folder.png"}, LS_EXIT_OUTPUT},
-        {{"--headless", scene, "-o", png, "--device", "no such device"}, LS_EXIT_DEVICE},
+        {{scene}, LS_MESSAGE_LSVIEW_WINDOW},
+        {{"--headless", scene}, LS_MESSAGE_LSVIEW_FILES},
+        {{"--headless", "-o", png}, LS_MESSAGE_LSVIEW_FILES},
+        {{"--headless", scene, "-o"}, LS_MESSAGE_LSVIEW_OPTION},
+        {{"--headless", scene, "-o", png, "--wrong"}, LS_MESSAGE_LSVIEW_OPTION},
+        {{"--headless", scene, "-o", png, "--size", "0x10"}, LS_MESSAGE_LSVIEW_VALUE},
+        {{"--headless", scene, "-o", png, "--samples", "12x"}, LS_MESSAGE_LSVIEW_VALUE},
+        {{"--headless", scene, "-o", png, "--report", "xml"}, LS_MESSAGE_LSVIEW_VALUE},
+        {{"--headless", scene, "-o", png, "--exr", png}, LS_MESSAGE_LSVIEW_REPLACES},
+        {{"--headless", scene, "-o", scene}, LS_MESSAGE_LSVIEW_REPLACES},
+        {{"--headless", FOLDER "missing.lspace", "-o", png}, LS_MESSAGE_FILE_MISSING},
+        {{"--headless", FOLDER "cut.lspace", "-o", png}, LS_MESSAGE_LSPACE_FOREIGN},
+        {{"--headless", scene, "-o", FOLDER}, LS_MESSAGE_OUTPUT_IS_FOLDER},
+        {{"--headless", scene, "-o", "/dev/null"}, LS_MESSAGE_OUTPUT_NOT_REGULAR},
+        {{"--headless", scene, "-o", FOLDER "no/such/folder.png"}, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {{"--headless", scene, "-o", png, "--device", "no such device"}, LS_MESSAGE_DEVICE_NAME},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++)
     {
-        assert_int_equal(run_lsview(cases[i].arguments), cases[i].exit_code);
+        char start[32];
+        snprintf(start, sizeof start, "lsview: error %d: ", (int)cases[i].message);
+        assert_int_equal(run_lsview(cases[i].arguments),
+                         ls_result_exit_code((LsResult)(cases[i].message / 100)));
         assert_true(is_one_line(read_log()));
+        assert_memory_equal(read_log(), start, strlen(start));
         assert_int_equal(access(png, F_OK), -1);
     }
 }
