@@ -4,6 +4,7 @@
 #include "box_scene.h"
 #include "gpu.h"
 #include "ls_bake.h"
+#include "ls_write.h"
 #include "reference/ref_path.h"
 #include "render.h"
 
@@ -541,6 +542,40 @@ static void test_program_pictures(void** state)
     close_view(&view);
 }
 
+// Light beyond the range of float is black, and said so.
+static void test_program_warns(void** state)
+{
+    (void)state;
+    LsError error = {0};
+    const char* path = FOLDER "bright.lspace";
+    expect_ok(ls_box_scene_write(LS_BOX_FURNACE, 1e-3f, path, &error), &error);
+    LsMapping mapping;
+    LsFile file;
+    expect_ok(ls_mapping_open(&mapping, path, &error), &error);
+    expect_ok(ls_file_open(&file, mapping.bytes, mapping.size, path, &error), &error);
+    LsFileDesc desc = ls_file_desc(&file);
+    LsMaterial* materials = malloc(desc.MATERIALS_count * sizeof(LsMaterial));
+    assert_non_null(materials);
+    memcpy(materials, desc.materials, desc.MATERIALS_count * sizeof(LsMaterial));
+    for (uint32_t i = 0; i < desc.MATERIALS_count; i++)
+    {
+        if ((materials[i].flags & LS_MATERIAL_EMISSIVE) != 0)
+        {
+            materials[i].emission = (LsVec3){3e38f, 3e38f, 3e38f};
+        }
+    }
+    desc.materials = materials;
+    expect_ok(ls_file_write(&desc, path, &error), &error);
+    ls_mapping_close(&mapping);
+    free(materials);
+    assert_int_equal(RUN("--headless", path, "-o", FOLDER "bright.png", "--size", "8x8",
+                         "--samples", "2", "--quiet"),
+                     LS_EXIT_OK);
+    assert_true(is_one_line(read_log()));
+    assert_memory_equal(read_log(), "lsview: warning 3899: ", 22);
+    assert_non_null(strstr(read_log(), "bright.lspace: 128 samples were not finite"));
+}
+
 static void test_program_errors(void** state)
 {
     (void)state;
@@ -609,6 +644,7 @@ int main(void)
         cmocka_unit_test(test_average_steps),
         cmocka_unit_test(test_reset),
         cmocka_unit_test(test_program_pictures),
+        cmocka_unit_test(test_program_warns),
         cmocka_unit_test(test_program_errors),
     };
     return cmocka_run_group_tests(tests, open_gpu, close_gpu);

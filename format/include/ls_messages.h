@@ -53,12 +53,13 @@
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
 #define LS_MESSAGES_SCENE(X)
 
-#define LS_MESSAGES_INPUT(X) \
-    X(RAYS_CUT, 3099)        \
-    X(INPUT_ENDING, 3590)    \
-    X(LIMIT_TRIANGLES, 3790) \
-    X(LIMIT_MEMORY, 3791)    \
-    X(LIMIT_FILE_BYTES, 3799)
+#define LS_MESSAGES_INPUT(X)  \
+    X(RAYS_CUT, 3099)         \
+    X(INPUT_ENDING, 3590)     \
+    X(LIMIT_TRIANGLES, 3790)  \
+    X(LIMIT_MEMORY, 3791)     \
+    X(LIMIT_FILE_BYTES, 3799) \
+    X(PICTURE_NOT_FINITE, 3899)
 
 #define LS_MESSAGES_OUTPUT(X)   \
     X(OUTPUT_UNWRITABLE, 4001)  \

@@ -448,9 +448,11 @@ static LsResult run(const Options* options, double program_begin, LsError* error
     }
     if (result == LS_OK && report.stats.invalid_samples > 0)
     {
-        fprintf(stderr,
-                "lsview: %u samples were not finite and count as black; please report this scene\n",
-                report.stats.invalid_samples);
+        fprintf(
+            stderr,
+            "lsview: warning %d: %s: %u samples were not finite and count as black; its lights are "
+            "too bright for float\n",
+            (int)LS_MESSAGE_PICTURE_NOT_FINITE, options->input, report.stats.invalid_samples);
     }
     if (result == LS_OK && options->json && !print_json(&device, options, &report))
     {
