@@ -13,7 +13,7 @@ LsResult ls_check_report(const LsCheck* check, const char* rule, LsChunk chunk, 
     va_start(arguments, format);
     vsnprintf(text, sizeof(text), format, arguments);
     va_end(arguments);
-    return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE, "%s: %s: %s record %llu: %s",
-                        check->name, rule, ls_chunk_info(chunk).name, (unsigned long long)record,
-                        text);
+    return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
+                        "%s: %s: %s record %llu: %s; bake it again", check->name, rule,
+                        ls_chunk_info(chunk).name, (unsigned long long)record, text);
 }

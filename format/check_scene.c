@@ -47,10 +47,10 @@ static LsResult check_features(const LsCheck* check)
         derive_required_features(file->objects, file->instances, file->header->counts);
     if (file->header->required_features != derived)
     {
-        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.14: required features 0x%llx, the file uses 0x%llx",
-                            check->name, (unsigned long long)file->header->required_features,
-                            (unsigned long long)derived);
+        return ls_error_set(
+            check->error, LS_MESSAGE_LSPACE_RULE,
+            "%s: R2.14: required features 0x%llx, the file uses 0x%llx; bake it again", check->name,
+            (unsigned long long)file->header->required_features, (unsigned long long)derived);
     }
     return LS_OK;
 }
@@ -63,8 +63,9 @@ static LsResult check_presence(const LsCheck* check)
     {
         if (count_records(check, needed[i]) == 0)
         {
-            return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE, "%s: R4.1: no %s",
-                                check->name, ls_chunk_info(needed[i]).name);
+            return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
+                                "%s: R4.1: no %s; bake it again", check->name,
+                                ls_chunk_info(needed[i]).name);
         }
     }
     return LS_OK;
@@ -220,8 +221,8 @@ static LsResult check_objects(const LsCheck* check)
     if (file->header->depth != depth)
     {
         return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.11: depth %u, the deepest object has %u", check->name,
-                            file->header->depth, depth);
+                            "%s: R2.11: depth %u, the deepest object has %u; bake it again",
+                            check->name, file->header->depth, depth);
     }
     return LS_OK;
 }
@@ -389,8 +390,9 @@ static LsResult check_top_nodes(const LsCheck* check)
     const bool needed = (check->file->header->required_features & LS_FEATURE_TOP_LEVEL) != 0;
     if (needed != (count > 0))
     {
-        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE, "%s: R4.6: TOP_NODES %s",
-                            check->name, needed ? "are missing" : "without need of a top level");
+        return ls_error_set(check->error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R4.6: TOP_NODES %s; bake it again", check->name,
+                            needed ? "are missing" : "without need of a top level");
     }
     if (count == 0)
     {

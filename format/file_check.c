@@ -36,7 +36,8 @@ LsResult ls_file_check_hashes(const LsFile* file, const char* name, LsError* err
         if (!is_zero(file->bytes + end, entry->offset - end))
         {
             return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                                "%s: R3.7: padding before chunk %u is not zero", name, i);
+                                "%s: R3.7: padding before chunk %u is not zero; bake it again",
+                                name, i);
         }
         uint8_t hash[LS_HASH_BYTES];
         ls_hash_bytes(file->bytes + entry->offset, entry->stored_bytes, hash);

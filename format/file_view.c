@@ -79,8 +79,9 @@ static LsResult check_extent(const LsHeader* header, uint64_t size, const char* 
 {
     if (header->file_bytes > LS_MAX_FILE_BYTES)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.6: %llu bytes, more than %llu",
-                            name, (unsigned long long)header->file_bytes, LS_MAX_FILE_BYTES);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.6: %llu bytes, more than %llu; bake it again", name,
+                            (unsigned long long)header->file_bytes, LS_MAX_FILE_BYTES);
     }
     if (size < header->file_bytes)
     {
@@ -91,20 +92,21 @@ static LsResult check_extent(const LsHeader* header, uint64_t size, const char* 
     if (size > header->file_bytes)
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.6: %llu bytes follow the end of the file", name,
+                            "%s: R2.6: %llu bytes follow the end of the file; bake it again", name,
                             (unsigned long long)(size - header->file_bytes));
     }
     if (header->chunk_count < 1 || header->chunk_count > LS_MAX_CHUNKS ||
         header->chunk_count > (size - LS_HEADER_BYTES) / LS_ENTRY_BYTES)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.4: %u chunks, legal are 1 to %d that the file has room for",
-                            name, header->chunk_count, LS_MAX_CHUNKS);
+        return ls_error_set(
+            error, LS_MESSAGE_LSPACE_RULE,
+            "%s: R2.4: %u chunks, legal are 1 to %d that the file has room for; bake it again",
+            name, header->chunk_count, LS_MAX_CHUNKS);
     }
     if (header->directory_offset != LS_HEADER_BYTES)
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.7: directory at %llu, legal is %d", name,
+                            "%s: R2.7: directory at %llu, legal is %d; bake it again", name,
                             (unsigned long long)header->directory_offset, LS_HEADER_BYTES);
     }
     return LS_OK;
@@ -118,27 +120,29 @@ static LsResult check_values(const LsHeader* header, const char* name, LsError* 
               header->lower[axis] <= header->upper[axis]))
         {
             return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                                "%s: R2.9: world bounds [%g, %g] along axis %d", name,
-                                (double)header->lower[axis], (double)header->upper[axis], axis);
+                                "%s: R2.9: world bounds [%g, %g] along axis %d; bake it again",
+                                name, (double)header->lower[axis], (double)header->upper[axis],
+                                axis);
         }
     }
     if (!(isfinite(header->transform_bound) && header->transform_bound >= 0))
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R2.10: transform bound %g", name,
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R2.10: transform bound %g; bake it again", name,
                             (double)header->transform_bound);
     }
     if (header->depth > LS_MAX_DEPTH)
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.11: depth %u, at most %d is legal", name, header->depth,
-                            LS_MAX_DEPTH);
+                            "%s: R2.11: depth %u, at most %d is legal; bake it again", name,
+                            header->depth, LS_MAX_DEPTH);
     }
     for (size_t i = 0; i < sizeof(header->reserved); ++i)
     {
         if (header->reserved[i] != 0)
         {
             return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                                "%s: R2.12: reserved byte %zu is not zero", name, i);
+                                "%s: R2.12: reserved byte %zu is not zero; bake it again", name, i);
         }
     }
     return LS_OK;
@@ -166,13 +170,14 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     if (known && (int)chunk <= *last)
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R3.1: entry %u: %s stands twice or out of order", name, index,
-                            chunk_infos[chunk].name);
+                            "%s: R3.1: entry %u: %s stands twice or out of order; bake it again",
+                            name, index, chunk_infos[chunk].name);
     }
     if ((entry->flags & ~LS_ENTRY_REQUIRED) != 0 || (known && entry->flags != chunk_flags(chunk)))
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.2: entry %u: flags 0x%x", name,
-                            index, entry->flags);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R3.2: entry %u: flags 0x%x; bake it again", name, index,
+                            entry->flags);
     }
     if (!known && (entry->flags & LS_ENTRY_REQUIRED) != 0)
     {
@@ -184,8 +189,9 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     }
     if (known ? entry->stride != chunk_infos[chunk].stride : entry->stride < 1)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.3: entry %u: stride %u", name,
-                            index, entry->stride);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R3.3: entry %u: stride %u; bake it again", name, index,
+                            entry->stride);
     }
     if (entry->element_count < 1 || entry->element_count > UINT64_MAX / entry->stride ||
         entry->logical_bytes != entry->element_count * entry->stride ||
@@ -193,24 +199,25 @@ static LsResult check_entry(LsFile* file, uint32_t index, int* last, uint64_t* e
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R3.4: entry %u: %llu records of %u bytes, but %llu bytes (%llu "
-                            "stored)",
+                            "stored); bake it again",
                             name, index, (unsigned long long)entry->element_count, entry->stride,
                             (unsigned long long)entry->logical_bytes,
                             (unsigned long long)entry->stored_bytes);
     }
     if (entry->codec != 0)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE, "%s: R3.5: entry %u: codec %u", name,
-                            index, entry->codec);
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R3.5: entry %u: codec %u; bake it again", name, index,
+                            entry->codec);
     }
     const uint64_t offset = place_chunk(*end, entry->stored_bytes);
     if (entry->offset != offset || offset > file->size || entry->stored_bytes > file->size - offset)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R3.6: entry %u: %llu bytes at %llu, its place is %llu in %llu",
-                            name, index, (unsigned long long)entry->stored_bytes,
-                            (unsigned long long)entry->offset, (unsigned long long)offset,
-                            (unsigned long long)file->size);
+        return ls_error_set(
+            error, LS_MESSAGE_LSPACE_RULE,
+            "%s: R3.6: entry %u: %llu bytes at %llu, its place is %llu in %llu; bake it again",
+            name, index, (unsigned long long)entry->stored_bytes, (unsigned long long)entry->offset,
+            (unsigned long long)offset, (unsigned long long)file->size);
     }
     *end = offset + entry->stored_bytes;
     if (known)
@@ -236,9 +243,10 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
     }
     if (end != file->size)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R3.6: the last chunk ends at %llu, the file at %llu", name,
-                            (unsigned long long)end, (unsigned long long)file->size);
+        return ls_error_set(
+            error, LS_MESSAGE_LSPACE_RULE,
+            "%s: R3.6: the last chunk ends at %llu, the file at %llu; bake it again", name,
+            (unsigned long long)end, (unsigned long long)file->size);
     }
     uint32_t counts[LS_CHUNK_COUNT] = {0};
     for (int i = 0; i < LS_CHUNK_COUNT; ++i)
@@ -249,7 +257,7 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
         {
             return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                                 "%s: R2.8: the header counts %u records of chunk type %d (%s), the "
-                                "directory %u",
+                                "directory %u; bake it again",
                                 name, header->counts[i], i, chunk_infos[i].name, counts[i]);
         }
     }
@@ -259,16 +267,16 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
                             "%s: R2.16: format 0.%u for readers from 0.%u on, the chunks say 0.%u "
-                            "and 0.%u",
+                            "and 0.%u; bake it again",
                             name, header->version_minor, header->reader_minor, minor, reader_minor);
     }
     const uint64_t optional = derive_optional_features(counts);
     if ((header->optional_features & LS_FEATURE_OPTIONAL_ALL) != optional)
     {
-        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.15: optional features 0x%llx, the chunks say 0x%llx", name,
-                            (unsigned long long)header->optional_features,
-                            (unsigned long long)optional);
+        return ls_error_set(
+            error, LS_MESSAGE_LSPACE_RULE,
+            "%s: R2.15: optional features 0x%llx, the chunks say 0x%llx; bake it again", name,
+            (unsigned long long)header->optional_features, (unsigned long long)optional);
     }
     return LS_OK;
 }
