@@ -201,6 +201,101 @@ static void test_missing_chunks(void** state)
     expect_desc(&desc, "R4.3", "an object without triangles");
 }
 
+static void expect_legal(const LsFileDesc* desc)
+{
+    LsFixtureBytes bytes = ls_fixture_bytes(desc);
+    LsError error = {0};
+    const LsResult result = check_all(&bytes, &error);
+    assert_string_equal(error.text, "");
+    assert_int_equal(result, LS_OK);
+    ls_fixture_free(&bytes);
+}
+
+// Sides out of range whose pixels are all there.
+static void test_image_sides(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    static const uint32_t pixels[2 + LS_MAX_IMAGE_SIDE + 1];
+    fixture.desc.pixels = pixels;
+    LsImage* image = &fixture.images[1];
+    for (uint32_t over = 0; over < 2; ++over)
+    {
+        const uint32_t side = LS_MAX_IMAGE_SIDE + over;
+        fixture.desc.PIXELS_count = 2 + side;
+        image->width = side;
+        image->height = 1;
+        over == 0 ? expect_legal(&fixture.desc) : expect_desc(&fixture.desc, "R4.14", "wide");
+        image->width = 1;
+        image->height = side;
+        over == 0 ? expect_legal(&fixture.desc) : expect_desc(&fixture.desc, "R4.14", "high");
+    }
+    fixture.desc.PIXELS_count = 2;
+    image->height = 0;
+    expect_desc(&fixture.desc, "R4.14", "of no height");
+    image->height = 1;
+    image->width = 0;
+    expect_desc(&fixture.desc, "R4.14", "of no width");
+}
+
+// Records that hold nothing, one for each object, fewer, and more.
+static void test_attributes_of_each_object(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    const LsAttributes none = {LS_NONE, {LS_NONE, LS_NONE}, LS_NONE};
+    const LsAttributes attributes[4] = {none, none, none, none};
+    LsFileDesc* desc = &fixture.desc;
+    desc->attributes = attributes;
+    desc->NORMALS_count = desc->TEXCOORDS_count = desc->COLORS_count = 0;
+    desc->ATTRIBUTES_count = 3;
+    expect_legal(desc);
+    desc->ATTRIBUTES_count = 2;
+    expect_desc(desc, "R4.15", "two for three objects");
+    desc->ATTRIBUTES_count = 4;
+    expect_desc(desc, "R4.15", "four for three objects");
+}
+
+// Two nodes in one animation, then channels without keys and with keys that are not quite shared.
+static void test_layouts_of_channels(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    for (uint32_t i = 0; i < 3; ++i)
+    {
+        fixture.channels[i].node = 0;
+        fixture.channels[3 + i].node = 2;
+    }
+    fixture.animations[0].channel_count = 6;
+    fixture.animations[0].duration = 4;
+    LsFileDesc* desc = &fixture.desc;
+    desc->ANIMATIONS_count = 1;
+    expect_legal(desc);
+    for (uint32_t i = 0; i < 3; ++i)
+    {
+        fixture.channels[i].node = 2;
+    }
+    expect_desc(desc, "R4.20", "a node twice");
+
+    ls_fixture_fill(&fixture);
+    LsChannel* last = &fixture.channels[5];
+    last->key_count = 0;
+    last->first_time = last->first_value = 53;
+    desc->KEYS_count = 53;
+    expect_desc(desc, "R4.20", "no keys");
+    ls_fixture_fill(&fixture);
+    float keys[59];
+    memcpy(keys, fixture.keys, sizeof(fixture.keys));
+    memcpy(keys + 56, fixture.keys + 53, 3 * sizeof(float));
+    desc->keys = keys;
+    desc->KEYS_count = 59;
+    last->key_count = 2;
+    expect_desc(desc, "R4.20", "one time shared for two keys");
+}
+
 static void test_top_level_without_need(void** state)
 {
     (void)state;
@@ -347,6 +442,9 @@ int main(void)
         cmocka_unit_test(test_edits_break_their_rule),
         cmocka_unit_test(test_hashes_are_compared),
         cmocka_unit_test(test_missing_chunks),
+        cmocka_unit_test(test_image_sides),
+        cmocka_unit_test(test_attributes_of_each_object),
+        cmocka_unit_test(test_layouts_of_channels),
         cmocka_unit_test(test_top_level_without_need),
         cmocka_unit_test(test_subgrids_without_blocks),
         cmocka_unit_test(test_node_levels),
