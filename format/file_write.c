@@ -1,216 +1,11 @@
-// file_write.c - one .lspace file from arrays, and atomic replacement of files in general.
-
-#define _XOPEN_SOURCE 700 // realpath
+// file_write.c - one .lspace file from arrays.
 
 #include "file_layout.h"
 #include "hash.h"
 #include "ls_write.h"
 
-#include <errno.h>
-#include <fcntl.h>
-#include <limits.h>
 #include <math.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
-// ---- Atomic output ------------------------------------------------------------------------------
-
-// A file on its way to `path`, written under a temporary name beside it.
-typedef struct Output
-{
-    const char* name; // as the caller gave it, for messages
-    int descriptor;
-    char path[PATH_MAX]; // links followed
-    char directory[PATH_MAX];
-    char temporary[PATH_MAX + 64];
-} Output;
-
-static LsResult report_output(const Output* output, int reason, LsError* error)
-{
-    if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
-    {
-        return ls_error_set(error, LS_MESSAGE_OUTPUT_FULL,
-                            "%s: no space left for the output (%s); make room or write elsewhere",
-                            output->name, strerror(reason));
-    }
-    return ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
-                        "%s: cannot be written: %s; choose another place", output->name,
-                        strerror(reason));
-}
-
-// Closes and removes the temporary file.
-static void abandon_output(Output* output)
-{
-    close(output->descriptor);
-    unlink(output->temporary);
-}
-
-// Follows links, so that a link stays one, and finds the directory.
-static LsResult find_place(Output* output, LsError* error)
-{
-    struct stat status;
-    if (stat(output->name, &status) == 0)
-    {
-        if (S_ISDIR(status.st_mode))
-        {
-            return ls_error_set(error, LS_MESSAGE_OUTPUT_IS_FOLDER,
-                                "%s: is a directory; name a file in it", output->name);
-        }
-        if (!S_ISREG(status.st_mode))
-        {
-            return ls_error_set(error, LS_MESSAGE_OUTPUT_NOT_REGULAR,
-                                "%s: is no regular file and is not replaced; choose another name",
-                                output->name);
-        }
-        if (realpath(output->name, output->path) == NULL)
-        {
-            return report_output(output, errno, error);
-        }
-    }
-    else
-    {
-        const int length = snprintf(output->path, sizeof(output->path), "%s", output->name);
-        if (length == 0 || length >= (int)sizeof(output->path))
-        {
-            return report_output(output, length == 0 ? ENOENT : ENAMETOOLONG, error);
-        }
-    }
-    const char* slash = strrchr(output->path, '/');
-    if (slash != NULL && slash[1] == '\0')
-    {
-        return ls_error_set(error, LS_MESSAGE_OUTPUT_IS_FOLDER,
-                            "%s: names a directory; name a file in it", output->name);
-    }
-    if (slash == NULL)
-    {
-        strcpy(output->directory, ".");
-    }
-    else
-    {
-        const size_t length = slash == output->path ? 1 : (size_t)(slash - output->path);
-        memcpy(output->directory, output->path, length);
-        output->directory[length] = '\0';
-    }
-    return LS_OK;
-}
-
-LsResult ls_output_check(const char* path, LsError* error)
-{
-    Output output = {.name = path};
-    const LsResult result = find_place(&output, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    struct stat status;
-    if (stat(output.directory, &status) != 0 || !S_ISDIR(status.st_mode) ||
-        access(output.directory, W_OK | X_OK) != 0)
-    {
-        return ls_error_set(error, LS_MESSAGE_OUTPUT_UNWRITABLE,
-                            "%s: cannot be written; make the folder %s and allow writing to it",
-                            path, output.directory);
-    }
-    return LS_OK;
-}
-
-// Opens the temporary file and sets room of `size` zero bytes aside in it.
-static LsResult open_output(Output* output, const char* path, uint64_t size, LsError* error)
-{
-    output->name = path;
-    LsResult result = find_place(output, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    for (unsigned attempt = 0;; ++attempt)
-    {
-        snprintf(output->temporary, sizeof(output->temporary), "%s/.lspace-%ld-%u.tmp",
-                 output->directory, (long)getpid(), attempt);
-        output->descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (output->descriptor >= 0)
-        {
-            break;
-        }
-        if (errno != EEXIST || attempt == 1000)
-        {
-            return report_output(output, errno, error);
-        }
-    }
-    // Not every file system can set room aside; there the writes themselves report a full disk.
-    const int reason = size > 0 ? posix_fallocate(output->descriptor, 0, (off_t)size) : 0;
-    if (reason == ENOSPC || reason == EDQUOT || reason == EFBIG)
-    {
-        abandon_output(output);
-        return report_output(output, reason, error);
-    }
-    if (ftruncate(output->descriptor, (off_t)size) != 0)
-    {
-        const int cause = errno;
-        abandon_output(output);
-        return report_output(output, cause, error);
-    }
-    return LS_OK;
-}
-
-// Returns 0, or the errno.
-static int put_bytes(Output* output, const void* bytes, uint64_t size, uint64_t offset)
-{
-    const uint64_t block = 1u << 30;
-    uint64_t done = 0;
-    while (done < size)
-    {
-        const uint64_t left = size - done;
-        const ssize_t put = pwrite(output->descriptor, (const char*)bytes + done,
-                                   left < block ? left : block, (off_t)(offset + done));
-        if (put < 0 && errno != EINTR)
-        {
-            return errno;
-        }
-        done += put > 0 ? (uint64_t)put : 0;
-    }
-    return 0;
-}
-
-// Returns 0, or the errno. The old file stays in place until all of the new one is on disk.
-static int commit_output(Output* output)
-{
-    if (fsync(output->descriptor) != 0 || rename(output->temporary, output->path) != 0)
-    {
-        return errno;
-    }
-    close(output->descriptor);
-    // The file is whole and in place; a directory that cannot be synchronised does not change that.
-    const int directory = open(output->directory, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (directory >= 0)
-    {
-        fsync(directory);
-        close(directory);
-    }
-    return 0;
-}
-
-LsResult ls_bytes_write(const void* bytes, uint64_t size, const char* path, LsError* error)
-{
-    Output output;
-    LsResult result = open_output(&output, path, size, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    int reason = put_bytes(&output, bytes, size, 0);
-    reason = reason != 0 ? reason : commit_output(&output);
-    if (reason != 0)
-    {
-        abandon_output(&output);
-        return report_output(&output, reason, error);
-    }
-    return LS_OK;
-}
-
-// ---- The .lspace file ---------------------------------------------------------------------------
 
 // Header and directory as they are written; `arrays` in the order of the directory.
 typedef struct Plan
@@ -335,34 +130,28 @@ LsResult ls_file_desc_check(const LsFileDesc* desc, const char* name, LsError* e
     return ls_file_check(&file, name, error);
 }
 
-// Returns 0, or the errno. The magic comes last, so that no unfinished file passes for a whole one.
-static int put_file(Output* output, const Plan* plan)
+// The magic comes last, so that no unfinished file passes for a whole one.
+static LsResult put_file(LsOutput* output, const Plan* plan, LsError* error)
 {
-    int reason = 0;
-    for (uint32_t i = 0; i < plan->header.chunk_count && reason == 0; ++i)
+    LsResult result = LS_OK;
+    for (uint32_t i = 0; i < plan->header.chunk_count && result == LS_OK; ++i)
     {
         const LsEntry* entry = &plan->entries[i];
-        reason = put_bytes(output, plan->arrays[i], entry->stored_bytes, entry->offset);
+        result = ls_output_put(output, plan->arrays[i], entry->stored_bytes, entry->offset, error);
     }
-    if (reason == 0)
+    if (result == LS_OK)
     {
-        reason = put_bytes(output, plan->entries, plan->header.chunk_count * sizeof(LsEntry),
-                           LS_HEADER_BYTES);
+        result = ls_output_put(output, plan->entries, plan->header.chunk_count * sizeof(LsEntry),
+                               LS_HEADER_BYTES, error);
     }
-    if (reason == 0)
+    if (result == LS_OK)
     {
-        reason = put_bytes(output, (const uint8_t*)&plan->header + LS_MAGIC_BYTES,
-                           LS_HEADER_BYTES - LS_MAGIC_BYTES, LS_MAGIC_BYTES);
+        result = ls_output_put(output, (const uint8_t*)&plan->header + LS_MAGIC_BYTES,
+                               LS_HEADER_BYTES - LS_MAGIC_BYTES, LS_MAGIC_BYTES, error);
     }
-    if (reason == 0 && fsync(output->descriptor) != 0)
-    {
-        reason = errno;
-    }
-    if (reason == 0)
-    {
-        reason = put_bytes(output, plan->header.magic, LS_MAGIC_BYTES, 0);
-    }
-    return reason;
+    result = result == LS_OK ? ls_output_sync(output, error) : result;
+    return result == LS_OK ? ls_output_put(output, plan->header.magic, LS_MAGIC_BYTES, 0, error)
+                           : result;
 }
 
 LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error)
@@ -378,8 +167,8 @@ LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error)
             path, (unsigned long long)plan.header.file_bytes, LS_MAX_FILE_BYTES);
     }
     // Room first: a full disk should not cost the time of hashing.
-    Output output;
-    LsResult result = open_output(&output, path, plan.header.file_bytes, error);
+    LsOutput output;
+    LsResult result = ls_output_open(&output, path, plan.header.file_bytes, error);
     if (result != LS_OK)
     {
         return result;
@@ -391,12 +180,11 @@ LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error)
     }
     ls_hash_header(&plan.header, plan.entries, plan.header.hash);
 
-    int reason = put_file(&output, &plan);
-    reason = reason != 0 ? reason : commit_output(&output);
-    if (reason != 0)
+    result = put_file(&output, &plan, error);
+    if (result != LS_OK)
     {
-        abandon_output(&output);
-        return report_output(&output, reason, error);
+        ls_output_drop(&output);
+        return result;
     }
-    return LS_OK;
+    return ls_output_commit(&output, error);
 }

@@ -33,7 +33,7 @@ ls_add_test(NAME test_layout SOURCES test_layout.c ${layout_json}
     LIBRARIES ls_file_fixture PkgConfig::CJSON ARGS ${layout_json})
 
 # Each public header compiles alone, as C17 and as C++17; building this is the test.
-set(public_headers ls_base.h ls_messages.h ls_layout.h ls_format.h ls_write.h ls_bake.h import.h)
+set(public_headers ls_base.h ls_messages.h ls_layout.h ls_format.h ls_output.h ls_write.h ls_bake.h import.h)
 if(LS_BUILD_RUNTIME)
     list(APPEND public_headers ls_runtime.h)
 endif()

@@ -7,6 +7,7 @@
 #define LS_WRITE_H
 
 #include "ls_format.h"
+#include "ls_output.h"
 
 #ifdef __cplusplus
 extern "C"
@@ -38,18 +39,9 @@ extern "C"
     // that nobody publishes what readers refuse. Errors: RULE.
     LsResult ls_file_desc_check(const LsFileDesc* desc, const char* name, LsError* error);
 
-    // Writes `path` atomically: a temporary file in the same directory, zero in place of the magic
-    // until all else is on disk, fsync, rename, fsync of the directory. On failure nothing is left
-    // behind and an older file of that name is untouched. A path that names a directory or a device
-    // is refused; a link is followed. Errors: OUTPUT, OUTPUT_FULL, INPUT_LIMIT.
+    // Writes `path` as an output (ls_output.h), whole or not at all; zero stands in place of the magic
+    // until all else is on disk. Errors: OUTPUT, OUTPUT_FULL, INPUT_LIMIT.
     LsResult ls_file_write(const LsFileDesc* desc, const char* path, LsError* error);
-
-    // Whether `path` can become an output: no directory nor other thing that is no file, in a folder that
-    // may be written to. For programs that had better know before hours of work. Errors: OUTPUT.
-    LsResult ls_output_check(const char* path, LsError* error);
-
-    // Writes bytes to `path` with the same care; for pictures and reports.
-    LsResult ls_bytes_write(const void* bytes, uint64_t size, const char* path, LsError* error);
 
 #ifdef __cplusplus
 }

@@ -1,13 +1,11 @@
 // out_file.h - an output that grows piece by piece and appears as a whole.
 //
-// A regular file is written under a temporary name beside its place and renamed at the end, so that
-// a failure leaves what was there before. "-" (standard output), devices and pipes are written
-// directly.
+// A regular file is an LsOutput. "-" (standard output), devices and pipes are written directly.
 
 #ifndef LS_OUT_FILE_H
 #define LS_OUT_FILE_H
 
-#include "ls_base.h"
+#include "ls_output.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,12 +14,13 @@
 typedef struct LsOutFile
 {
     const char* name; // for messages: as given, borrowed, or "standard output"
-    char* path;       // links followed; NULL when written directly
-    char* temporary;  // NULL when written directly
-    int descriptor;
+    bool direct;
+    int descriptor;  // written directly
+    LsOutput output; // otherwise
+    uint64_t size;   // written so far
 } LsOutFile;
 
-// Errors: OUTPUT, OUTPUT_FULL, MEMORY. On failure *file is zero.
+// Errors: OUTPUT, OUTPUT_FULL. On failure *file is zero.
 LsResult ls_out_file_open(LsOutFile* file, const char* name, LsError* error);
 
 // Appends. Errors: OUTPUT, OUTPUT_FULL.
