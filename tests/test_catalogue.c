@@ -1,4 +1,4 @@
-// test_messages.c - the catalogue of messages: legal numbers, none twice, each with an entry in
+// test_catalogue.c - the catalogue of messages: legal numbers, none twice, each with an entry in
 // docs/errors.md.
 
 #include "file_fixture.h"
@@ -172,5 +172,5 @@ int main(void)
         cmocka_unit_test(test_numbers_are_unique),
         cmocka_unit_test(test_each_has_an_entry),
     };
-    return cmocka_run_group_tests_name("messages", tests, NULL, NULL);
+    return cmocka_run_group_tests_name("catalogue", tests, NULL, NULL);
 }
