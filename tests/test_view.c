@@ -572,7 +572,9 @@ static void test_program_warns(void** state)
                          "--samples", "2", "--quiet"),
                      LS_EXIT_OK);
     assert_true(is_one_line(read_log()));
-    assert_memory_equal(read_log(), "lsview: warning 3899: ", 22);
+    char start[32];
+    snprintf(start, sizeof start, "lsview: warning %d: ", (int)LS_MESSAGE_PICTURE_NOT_FINITE);
+    assert_memory_equal(read_log(), start, strlen(start));
     assert_non_null(strstr(read_log(), "bright.lspace: 128 samples were not finite"));
 }
 
