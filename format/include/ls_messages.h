@@ -48,7 +48,47 @@
 
 #define LS_MESSAGES_STL(X)
 
-#define LS_MESSAGES_GLTF(X)
+#define LS_MESSAGES_GLTF(X)         \
+    X(GLTF_JSON, 3070)              \
+    X(GLTF_GLB, 3071)               \
+    X(GLTF_MEMBER, 3072)            \
+    X(GLTF_NODE_PARENTS, 3073)      \
+    X(GLTF_TRANSFORM, 3074)         \
+    X(GLTF_BUFFER, 3075)            \
+    X(GLTF_ACCESSOR_TYPE, 3076)     \
+    X(GLTF_ACCESSOR, 3077)          \
+    X(GLTF_ATTRIBUTE_COUNT, 3078)   \
+    X(GLTF_CORNERS, 3079)           \
+    X(GLTF_ANIMATION, 3080)         \
+    X(GLTF_INDEX, 3170)             \
+    X(GLTF_BOUNDS, 3171)            \
+    X(GLTF_VERTEX_INDEX, 3172)      \
+    X(GLTF_SCENE, 3173)             \
+    X(GLTF_NOT_FINITE, 3270)        \
+    X(GLTF_RANGE, 3470)             \
+    X(GLTF_VERSION, 3570)           \
+    X(GLTF_EXTENSION, 3571)         \
+    X(GLTF_COMPRESSED, 3572)        \
+    X(GLTF_NODE_DEPTH, 3770)        \
+    X(GLTF_JSON_DEPTH, 3771)        \
+    X(GLTF_COUNT, 3772)             \
+    X(GLTF_WARN_EXTENSION, 3870)    \
+    X(GLTF_WARN_SCENES, 3871)       \
+    X(GLTF_WARN_CAMERA, 3872)       \
+    X(GLTF_WARN_SKIN, 3873)         \
+    X(GLTF_WARN_MORPH, 3874)        \
+    X(GLTF_WARN_POINTS_LINES, 3875) \
+    X(GLTF_WARN_NO_POSITION, 3876)  \
+    X(GLTF_WARN_ATTRIBUTE, 3877)    \
+    X(GLTF_WARN_NOT_FINITE, 3878)   \
+    X(GLTF_WARN_UNDECLARED, 3879)   \
+    X(GLTF_WARN_BLEND, 3880)        \
+    X(GLTF_WARN_OCCLUSION, 3881)    \
+    X(GLTF_WARN_TEXTURE, 3882)      \
+    X(GLTF_WARN_IMAGE, 3883)        \
+    X(GLTF_WARN_IMAGE_DEPTH, 3884)  \
+    X(GLTF_WARN_KEYS, 3885)         \
+    X(GLTF_WARN_CHANNEL, 3886)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
 #define LS_MESSAGES_SCENE(X)
