@@ -1,5 +1,9 @@
 # What comes in: the importers, and what the programs do with bad input.
 ls_add_test(NAME test_import SOURCES test_import.c LIBRARIES ls_import)
+add_library(ls_gltf_fixture STATIC gltf_fixture.c)
+target_link_libraries(ls_gltf_fixture PUBLIC ls_import PRIVATE ls_options PkgConfig::CMOCKA)
+ls_add_test(NAME test_import_gltf SOURCES test_import_gltf.c LIBRARIES ls_gltf_fixture)
+ls_add_test(NAME test_import_gltf_looks SOURCES test_import_gltf_looks.c LIBRARIES ls_gltf_fixture)
 ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c LIBRARIES ls_import)
 
 # ls_add_bad_input_test(NAME GROUP): the programs must be built before.

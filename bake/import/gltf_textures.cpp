@@ -25,7 +25,8 @@ void set_transform(const cJSON* info, const std::string& owner, LsTexture& textu
     texture.row_v = {gltf_narrow(-turn.sine * scale[0], owner),
                      gltf_narrow(turn.cosine * scale[1], owner), gltf_narrow(offset[1], owner),
                      0.0f};
-    for (float* number : {&texture.row_u.y, &texture.row_v.x})
+    for (float* number : {&texture.row_u.x, &texture.row_u.y, &texture.row_u.z, &texture.row_v.x,
+                          &texture.row_v.y, &texture.row_v.z})
         *number += 0.0f; // no -0, by which equal textures would differ
 }
 
