@@ -221,6 +221,36 @@ void parse_json(GltfImport& import)
                                                    ", only 2.0 is read; convert it"};
 }
 
+// tinygltf's records are large, and their arrays grow by doubling.
+void reserve_records(GltfImport& import)
+{
+    static const struct
+    {
+        const char* name;
+        size_t bytes;
+    } arrays[] = {
+        {"accessors", sizeof(tinygltf::Accessor)},
+        {"animations", sizeof(tinygltf::Animation)},
+        {"bufferViews", sizeof(tinygltf::BufferView)},
+        {"cameras", sizeof(tinygltf::Camera)},
+        {"materials", sizeof(tinygltf::Material)},
+        {"meshes", sizeof(tinygltf::Mesh)},
+        {"nodes", sizeof(tinygltf::Node)},
+        {"samplers", sizeof(tinygltf::Sampler)},
+        {"scenes", sizeof(tinygltf::Scene)},
+        {"skins", sizeof(tinygltf::Skin)},
+        {"textures", sizeof(tinygltf::Texture)},
+    };
+    uint64_t bytes = 0;
+    for (const auto& array : arrays)
+    {
+        const cJSON* list = gltf_get_member(import.root.get(), array.name);
+        for (const cJSON* item = list ? list->child : nullptr; item; item = item->next)
+            bytes += 2 * array.bytes;
+    }
+    ls_gltf_reserve(import, bytes, 0, true);
+}
+
 // tinygltf finds no files.
 bool find_no_file(const std::string&, void*)
 {
@@ -269,6 +299,7 @@ void ls_gltf_read_file(GltfImport& import)
 void ls_gltf_read_model(GltfImport& import)
 {
     blank_data(import.text);
+    reserve_records(import);
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(load_no_image, nullptr);
     loader.SetFsCallbacks({find_no_file, keep_path, read_no_file, write_no_file, nullptr});

@@ -59,8 +59,9 @@ struct Plan
 void note_attributes(GltfImport& import, const tinygltf::Primitive& primitive,
                      const std::string& owner)
 {
-    for (const auto& [attribute, accessor] : primitive.attributes)
+    for (const auto& entry : primitive.attributes)
     {
+        const std::string& attribute = entry.first;
         const bool is_known =
             std::any_of(std::begin(ATTRIBUTES), std::end(ATTRIBUTES),
                         [&](const auto& known) { return attribute == known.name; });
