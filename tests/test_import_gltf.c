@@ -438,7 +438,7 @@ static void test_bounds(void** state)
     check_bounds("{\"buffer\":4294967296,\"byteLength\":48}", POINTS, INDICES("36", "3"),
                  LS_MESSAGE_GLTF_MEMBER, "bufferViews[0].buffer");
     check_bounds(VIEW, POINTS, "{\"componentType\":5123,\"count\":3,\"type\":\"SCALAR\"}",
-                 LS_MESSAGE_GLTF_JSON, "bufferView");
+                 LS_MESSAGE_GLTF_ACCESSOR, "no buffer view");
 }
 
 // ---- Files --------------------------------------------------------------------------------------
@@ -837,7 +837,8 @@ static void test_nodes_refused(void** state)
         {ONE_NODE "," PRIMITIVE("\"attributes\":{\"POSITION\":9}"), LS_MESSAGE_GLTF_INDEX,
          "accessor 9"},
         {ONE_NODE "," PRIMITIVE(POSITION ",\"material\":4"), LS_MESSAGE_GLTF_INDEX, "material 4"},
-        {ONE_NODE "," PRIMITIVE(POSITION ",\"indices\":4"), LS_MESSAGE_GLTF_JSON, "indices"},
+        {ONE_NODE "," PRIMITIVE(POSITION ",\"indices\":4"), LS_MESSAGE_GLTF_INDEX,
+         "mesh 0 (\"thing\"), primitive 0 names accessor 4"},
     };
     begin_corners(3);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)

@@ -425,10 +425,43 @@ void check_transforms(const cJSON* nodes)
                           " has a matrix and also a translation, rotation or scale");
 }
 
+// tinygltf itself refuses such indices, of meshes that nobody shows too, and does not say whose.
+void check_indices(const cJSON* root)
+{
+    std::vector<bool> has_view; // of accessors
+    const cJSON* accessors = gltf_get_member(root, "accessors");
+    for (const cJSON* item = accessors ? accessors->child : nullptr; item; item = item->next)
+        has_view.push_back(gltf_get_member(item, "bufferView"));
+    const cJSON* meshes = gltf_get_member(root, "meshes");
+    size_t number = 0;
+    for (const cJSON* mesh = meshes ? meshes->child : nullptr; mesh; mesh = mesh->next, number++)
+    {
+        size_t p = 0;
+        for (const cJSON* primitive = gltf_get_member(mesh, "primitives")->child; primitive;
+             primitive = primitive->next, p++)
+        {
+            const int index = gltf_get_index(primitive, "indices", -1);
+            if (index == -1)
+                continue;
+            const std::string owner = gltf_describe("mesh", number, gltf_get_text(mesh, "name")) +
+                                      ", primitive " + std::to_string(p);
+            if (static_cast<size_t>(index) >= has_view.size())
+                gltf_fail(LS_MESSAGE_GLTF_INDEX,
+                          owner + " names accessor " + std::to_string(index) +
+                              " for its indices, but there are " + std::to_string(has_view.size()));
+            if (!has_view[static_cast<size_t>(index)])
+                gltf_fail(LS_MESSAGE_GLTF_ACCESSOR, owner + " has its indices in accessor " +
+                                                        std::to_string(index) +
+                                                        ", which has no buffer view");
+        }
+    }
+}
+
 } // namespace
 
 void ls_gltf_check_members(GltfImport& import)
 {
     check_object(*import.root, ROOT, nullptr);
     check_transforms(gltf_get_member(import.root.get(), "nodes"));
+    check_indices(import.root.get());
 }
