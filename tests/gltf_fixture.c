@@ -68,6 +68,17 @@ void gltf_begin(void)
     memset(buffer, 0, sizeof buffer);
 }
 
+const float gltf_corners[7][3] = {
+    {0, 0, 0},     {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0.5f, -1.25f, 0.1f}, {1e-7f, 2.5e6f, -0.3f},
+    {2, 0, -0.0f},
+};
+
+void gltf_begin_corners(size_t count)
+{
+    gltf_begin();
+    assert_int_equal(gltf_add_floats(&gltf_corners[0][0], count, 3), 0);
+}
+
 int gltf_add_view(const void* bytes, size_t size, int stride)
 {
     buffer_bytes = (buffer_bytes + 3) / 4 * 4;
@@ -188,6 +199,12 @@ void gltf_check_refused(const char* name, LsMessage message, const char* word)
         !strstr(error.text, name) || !strstr(error.text, word) || strchr(error.text, '\n'))
         fail_msg("%s: %u instead of %d, or no \"%s\" in: %s", name, error.message, message, word,
                  error.text);
+}
+
+void gltf_check_members_refused(const char* members, LsMessage message, const char* word)
+{
+    gltf_write(members);
+    gltf_check_refused("a.gltf", message, word);
 }
 
 void gltf_check_warned(const LsInput* input, const char* name, LsMessage message, const char* word)

@@ -18,6 +18,16 @@ enum
     F32 = 5126,
 };
 
+// Members of a file of one node with the mesh "thing", of one primitive.
+#define ONE_NODE "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]"
+#define PRIMITIVE(text) "\"meshes\":[{\"name\":\"thing\",\"primitives\":[{" text "}]}]"
+#define POSITION "\"attributes\":{\"POSITION\":0}"
+#define PLAIN ONE_NODE "," PRIMITIVE(POSITION)
+
+#define POINTS "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}"
+
+extern const float gltf_corners[7][3];
+
 // A folder of this run, made and removed around the tests of a program (cmocka's group functions).
 int gltf_make_folder(void** state);
 int gltf_remove_folder(void** state);
@@ -36,6 +46,9 @@ int gltf_add_view(const void* bytes, size_t size, int stride);
 // Adds an accessor; view -1: none; `more` is further members or "". Returns its number.
 int gltf_add_accessor(int view, size_t offset, int component, size_t count, const char* type,
                       const char* more);
+
+// Begins anew with accessor 0, so many of the corners.
+void gltf_begin_corners(size_t count);
 
 // View and accessor in one.
 int gltf_add_floats(const float* values, size_t count, int width);
@@ -57,6 +70,9 @@ LsInput gltf_import(const char* name);
 
 // The file is refused with this message, whose text names the file and `word`.
 void gltf_check_refused(const char* name, LsMessage message, const char* word);
+
+// Writes a.gltf with these members, which is refused.
+void gltf_check_members_refused(const char* members, LsMessage message, const char* word);
 
 // The import has this warning, its text names `word`; under strict the file is refused with it.
 void gltf_check_warned(const LsInput* input, const char* name, LsMessage message, const char* word);

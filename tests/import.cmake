@@ -2,8 +2,9 @@
 ls_add_test(NAME test_import SOURCES test_import.c LIBRARIES ls_import)
 add_library(ls_gltf_fixture STATIC gltf_fixture.c)
 target_link_libraries(ls_gltf_fixture PUBLIC ls_import PRIVATE ls_options PkgConfig::CMOCKA)
-ls_add_test(NAME test_import_gltf SOURCES test_import_gltf.c LIBRARIES ls_gltf_fixture)
-ls_add_test(NAME test_import_gltf_looks SOURCES test_import_gltf_looks.c LIBRARIES ls_gltf_fixture)
+foreach(topic IN ITEMS "" _looks _meshes _nodes)
+    ls_add_test(NAME test_import_gltf${topic} SOURCES test_import_gltf${topic}.c LIBRARIES ls_gltf_fixture)
+endforeach()
 ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c LIBRARIES ls_import)
 
 # ls_add_bad_input_test(NAME GROUP): the programs must be built before.

@@ -15,34 +15,19 @@
 #include <cmocka.h>
 // clang-format on
 
-#define ONE_NODE "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}]"
 #define MESH "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"material\":0}]}]"
-#define PLAIN ONE_NODE "," MESH
-
-static const float corners[3][3] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+#define SHOWN ONE_NODE "," MESH
 
 // Red, green, blue; half transparent white, black, grey.
 static const uint8_t pixels[24] = {255, 0,   0,   255, 0, 255, 0, 255, 0,   0,   255, 255,
                                    255, 255, 255, 128, 0, 0,   0, 255, 128, 128, 128, 255};
-
-static void begin_triangle(void)
-{
-    gltf_begin();
-    assert_int_equal(gltf_add_floats(&corners[0][0], 3, 3), 0);
-}
-
-static void check_refused(const char* members, LsMessage message, const char* word)
-{
-    gltf_write(members);
-    gltf_check_refused("a.gltf", message, word);
-}
 
 // ---- Materials ----------------------------------------------------------------------------------
 
 static void test_materials(void** state)
 {
     (void)state;
-    begin_triangle();
+    gltf_begin_corners(3);
     gltf_write("\"materials\":["
                "{\"name\":\"lamp\",\"emissiveFactor\":[1,0.5,0],\"extensions\":"
                "{\"KHR_materials_emissive_strength\":{\"emissiveStrength\":5000000000}},"
@@ -55,7 +40,7 @@ static void test_materials(void** state)
                "{\"extensions\":{\"KHR_materials_ior\":{\"ior\":0}},\"alphaMode\":\"OPAQUE\","
                "\"pbrMetallicRoughness\":{\"baseColorFactor\":[2,-1,0.5,0.5]}},"
                "{\"name\":\"veil\",\"alphaMode\":\"BLEND\",\"occlusionTexture\":{\"index\":0}}],"
-               "\"textures\":[{}]," PLAIN);
+               "\"textures\":[{}]," SHOWN);
     LsInput input = gltf_import("a.gltf");
     assert_int_equal(input.material_count, 5);
     const LsInputMaterial* lamp = &input.materials[0];
@@ -115,9 +100,9 @@ static void test_materials(void** state)
         snprintf(
             members, sizeof members,
             "\"materials\":[{%s}],\"textures\":[{\"source\":7},{\"source\":0,\"sampler\":7},"
-            "{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":5}],\"images\":[{}]," PLAIN,
+            "{\"source\":0,\"sampler\":0}],\"samplers\":[{\"wrapS\":5}],\"images\":[{}]," SHOWN,
             cases[i].material);
-        check_refused(members, cases[i].message, cases[i].word);
+        gltf_check_members_refused(members, cases[i].message, cases[i].word);
     }
 }
 
@@ -136,7 +121,7 @@ static void test_textures(void** state)
     static uint8_t png[4096];
     const size_t size = gltf_make_png(png, 3, 2, 8, pixels);
     gltf_write_bytes("an image.png", png, size);
-    begin_triangle();
+    gltf_begin_corners(3);
     gltf_add_view(png, size, 0);
     static char members[16384];
     snprintf(
@@ -154,7 +139,7 @@ static void test_textures(void** state)
         "{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0,\"texCoord\":3,"
         "\"extensions\":{\"KHR_texture_transform\":{\"offset\":[0.5,0.25],\"rotation\":"
         "1.5707963267948966,\"scale\":[2,4],\"texCoord\":1}}}},\"emissiveTexture\":{\"index\":0,"
-        "\"texCoord\":0,\"extensions\":{\"KHR_texture_transform\":{\"rotation\":0.5}}}}]," PLAIN,
+        "\"texCoord\":0,\"extensions\":{\"KHR_texture_transform\":{\"rotation\":0.5}}}}]," SHOWN,
         gltf_print_data_uri("image/png", png, size));
     gltf_write(members);
     LsInput input = gltf_import("a.gltf");
@@ -213,7 +198,7 @@ static void write_image(const char* image, const char* info)
     static char members[16384];
     snprintf(members, sizeof members,
              "\"images\":[{\"name\":\"wood\",%s}],\"textures\":[{\"source\":0}],\"materials\":[{"
-             "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0%s}}}]," PLAIN,
+             "\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0%s}}}]," SHOWN,
              image, info);
     gltf_write(members);
 }
@@ -238,7 +223,7 @@ static void test_images(void** state)
     static uint8_t png[4096];
     size_t size = gltf_make_png(png, 3, 2, 16, pixels);
     gltf_write_bytes("deep.png", png, size);
-    begin_triangle();
+    gltf_begin_corners(3);
     write_image("\"uri\":\"deep.png\"", "");
     LsInput input = gltf_import("a.gltf");
     check_image(&input.images[0]);
@@ -307,7 +292,7 @@ static void test_images(void** state)
         "\"images\":[{\"uri\":\"good.png\"},{\"uri\":\"x.ktx2\"}],\"textures\":[{\"source\":0,"
         "\"extensions\":{\"EXT_texture_webp\":{\"source\":1}}},{\"extensions\":{"
         "\"KHR_texture_basisu\":{\"source\":1}}}],\"materials\":[{\"pbrMetallicRoughness\":{"
-        "\"baseColorTexture\":{\"index\":0}},\"emissiveTexture\":{\"index\":1}}]," PLAIN);
+        "\"baseColorTexture\":{\"index\":0}},\"emissiveTexture\":{\"index\":1}}]," SHOWN);
     input = gltf_import("a.gltf");
     assert_int_equal(input.image_count, 1);
     assert_int_equal(input.materials[0].surface.base_color_texture, 0);
@@ -409,7 +394,7 @@ static void test_lamps(void** state)
          LS_MESSAGE_GLTF_RANGE, "narrow"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_refused(cases[i].members, cases[i].message, cases[i].word);
+        gltf_check_members_refused(cases[i].members, cases[i].message, cases[i].word);
 }
 
 // ---- Cut and damaged files ----------------------------------------------------------------------
@@ -421,7 +406,7 @@ static size_t print_everything(uint8_t* bytes)
     const float times[2] = {0, 1};
     const uint16_t places[1] = {2}, indices[3] = {0, 1, 2};
     const uint8_t colors[12] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255};
-    begin_triangle(); // accessor 0, view 0
+    gltf_begin_corners(3); // accessor 0, view 0
     const int image = gltf_add_view(png, gltf_make_png(png, 3, 2, 8, pixels), 0);
     char more[256];
     snprintf(more, sizeof more,
