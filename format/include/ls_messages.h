@@ -12,7 +12,16 @@
 // A list per topic: NAME, number. Within each hundred of the 3xxx a topic has its own block: PLY from
 // 01, OBJ and MTL from 20, OFF from 40, STL from 55, glTF from 70, all else from 90.
 
-#define LS_MESSAGES_USAGE(X)
+#define LS_MESSAGES_USAGE(X)       \
+    X(USAGE_OPTION_UNKNOWN, 1001)  \
+    X(USAGE_OPTION_VALUE, 1002)    \
+    X(USAGE_NUMBER, 1003)          \
+    X(USAGE_CHOICE, 1004)          \
+    X(USAGE_NO_SCENE, 1005)        \
+    X(USAGE_NO_OUTPUT, 1006)       \
+    X(USAGE_OUTPUT_IS_INPUT, 1007) \
+    X(USAGE_OPTION_PLACE, 1008)    \
+    X(USAGE_NOT_GLTF, 1009)
 
 #define LS_MESSAGES_FILES(X)  \
     X(FILE_MISSING, 2001)     \
@@ -33,14 +42,23 @@
 #define LS_MESSAGES_GLTF(X)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
-#define LS_MESSAGES_SCENE(X)
+#define LS_MESSAGES_SCENE(X) \
+    X(PLACE_NO_BOX, 3090)    \
+    X(MATERIAL_JSON, 3091)   \
+    X(MATERIAL_KEY, 3092)    \
+    X(MATERIAL_VALUE, 3093)  \
+    X(MATERIAL_NAME, 3094)   \
+    X(SCENE_EMPTY, 3395)     \
+    X(PLACE_RANGE, 3495)     \
+    X(SCENE_RANGE, 3496)     \
+    X(PLACE_DEPTH, 3795)
 
 #define LS_MESSAGES_INPUT(X) \
     X(INPUT_ENDING, 3590)    \
     X(LIMIT_TRIANGLES, 3790) \
     X(LIMIT_MEMORY, 3791)
 
-#define LS_MESSAGES_OUTPUT(X)
+#define LS_MESSAGES_OUTPUT(X) X(OUTPUT_STANDARD, 4004)
 
 #define LS_MESSAGES_LSPACE(X)
 
