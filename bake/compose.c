@@ -101,7 +101,7 @@ static LsResult check_triangles(const LsInput* input, const LsBakeDesc* desc, Ls
                             input->paths[input->file_count - 1], (unsigned long long)faces,
                             (unsigned long long)desc->max_triangles);
     if (input->file_count == desc->input_count && (!faces || !input->instance_count))
-        return ls_error_set(error, LS_MESSAGE_SCENE_EMPTY,
+        return ls_error_set(error, LS_MESSAGE_SCENE_NO_TRIANGLES,
                             "%s: no triangles in the scene; nothing to bake", desc->inputs[0].path);
     return LS_OK;
 }

@@ -48,7 +48,7 @@ const char ls_bake_help[] =
     "      --strict          take warnings for errors\n"
     "      --threads T       threads; the result does not depend on it (default: all processors)\n"
     "      --max-memory S    of this process, in bytes or with K, M or G behind (powers of 1024)\n"
-    "      --max-triangles N of all scenes together\n"
+    "      --max-triangles N  of all scenes together\n"
     "      --report json     print the report as JSON on standard output\n"
     "  -q, --quiet           print nothing but errors\n"
     "  -h, --help            this text\n"

@@ -42,15 +42,15 @@
 #define LS_MESSAGES_GLTF(X)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
-#define LS_MESSAGES_SCENE(X) \
-    X(PLACE_NO_BOX, 3090)    \
-    X(MATERIAL_JSON, 3091)   \
-    X(MATERIAL_KEY, 3092)    \
-    X(MATERIAL_VALUE, 3093)  \
-    X(MATERIAL_NAME, 3094)   \
-    X(SCENE_EMPTY, 3395)     \
-    X(PLACE_RANGE, 3495)     \
-    X(SCENE_RANGE, 3496)     \
+#define LS_MESSAGES_SCENE(X)    \
+    X(PLACE_NO_BOX, 3090)       \
+    X(MATERIAL_JSON, 3091)      \
+    X(MATERIAL_KEY, 3092)       \
+    X(MATERIAL_VALUE, 3093)     \
+    X(MATERIAL_NAME, 3094)      \
+    X(SCENE_NO_TRIANGLES, 3390) \
+    X(PLACE_RANGE, 3495)        \
+    X(SCENE_RANGE, 3492)        \
     X(PLACE_DEPTH, 3795)
 
 #define LS_MESSAGES_INPUT(X) \
