@@ -49,8 +49,8 @@
     X(MATERIAL_VALUE, 3093)     \
     X(MATERIAL_NAME, 3094)      \
     X(SCENE_NO_TRIANGLES, 3390) \
-    X(PLACE_RANGE, 3495)        \
     X(SCENE_RANGE, 3492)        \
+    X(PLACE_RANGE, 3495)        \
     X(PLACE_DEPTH, 3795)
 
 #define LS_MESSAGES_INPUT(X) \
