@@ -2,8 +2,9 @@
 # test_bad_input.sh GROUP PROGRAMS SCENES - what the built programs do with bad input and bad places.
 #
 # GROUP: "bake" for lsbake and lsinfo, "runtime" for lstrace and lsview. PROGRAMS: folder of the programs. SCENES:
-# folder of the bundled scenes. Every case must end with its documented exit code and, after warnings if there are, one line on standard
-# error that has the message's number and names the file or the thing, print nothing else, and leave the folder "out" as it was.
+# folder of the bundled scenes. Every case must end with its documented exit code and, after warnings if there are
+# any, one line on standard error that has the message's number and names the file or the thing, print nothing else,
+# and leave the folder "out" as it was.
 set -uo pipefail
 
 group=$1
