@@ -49,9 +49,9 @@ extern "C"
         double at[3]; // world
         double size;  // world: length of the box's longest side, up to 1e30; 0: as it is
         double turn;  // degrees about the vertical, counter-clockwise seen from above
-        const char*
-            materials; // JSON that begins with {, or the name of a file of it, that overrides
-                       // the file's materials (README, Bake); NULL: none
+        // JSON that begins with {, or the name of a file of it, that overrides the file's materials
+        // (README, Bake); NULL: none.
+        const char* materials;
     } LsBakeInput;
 
     // Where shading normals come from.
