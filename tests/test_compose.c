@@ -1,4 +1,4 @@
-// test_compose.c - several files in one bake: conversion, placement, materials, limits, warnings.
+// test_compose.c - several files in one bake: conversion, placement, materials, limits.
 
 #include "compose.h"
 #include "ls_messages.h"
@@ -1099,7 +1099,7 @@ static void test_materials_refused(void** state)
     ls_input_destroy(&input);
 }
 
-// ---- Limits, progress, warnings -----------------------------------------------------------------
+// ---- Limits --------------------------------------------------------------------------------------
 
 static void test_triangle_limit(void** state)
 {
@@ -1218,6 +1218,81 @@ static void test_bake_knows_its_inputs(void** state)
     }
 }
 
+// ---- Bundled scenes -----------------------------------------------------------------------------
+
+static uint32_t count_triangles(const LsInput* input)
+{
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < input->mesh_count; i++)
+        sum += input->meshes[i].triangle_count;
+    return sum;
+}
+
+// Positive for a closed mesh whose faces look outward.
+static double find_volume(const LsInputMesh* mesh)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    {
+        const float* p[3];
+        for (int k = 0; k < 3; k++)
+            p[k] = mesh->positions + 3 * mesh->indices[3 * i + (uint32_t)k];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const int j = (axis + 1) % 3, k = (axis + 2) % 3;
+            sum += p[0][axis] * ((double)p[1][j] * p[2][k] - (double)p[1][k] * p[2][j]) / 6.0;
+        }
+    }
+    return sum;
+}
+
+static void test_bundled_scenes(void** state)
+{
+    (void)state;
+    LsInput box = compose(&(LsBakeInput){.path = LS_SOURCE_DIR "/scenes/cornell.gltf"}, 1);
+    LsInput blocks =
+        compose(&(LsBakeInput){.path = LS_SOURCE_DIR "/scenes/cornell_blocks.gltf"}, 1);
+    assert_int_equal(count_triangles(&box), 12);
+    assert_int_equal(count_triangles(&blocks), 36);
+    // The box is the same, and the blocks stand in it and on its floor.
+    for (uint32_t i = 0; i < 2; i++)
+        assert_memory_equal(blocks.meshes[i].positions, box.meshes[i].positions,
+                            box.meshes[i].vertex_count * 3 * sizeof(float));
+    assert_int_equal(blocks.mesh_count, 4);
+    static const double volumes[] = {0.6 * 0.6 * 0.6, 0.6 * 0.6 * 1.2};
+    for (uint32_t i = 0; i < 2; i++)
+    {
+        const LsInputMesh* block = &blocks.meshes[2 + i];
+        check_close((const double[]){find_volume(block)}, &volumes[i], 1, 1e-6);
+        for (uint32_t k = 0; k < 3 * block->vertex_count; k++)
+            assert_true(fabsf(block->positions[k]) <= 1.0f);
+    }
+    const LsMaterial* mirror = &blocks.materials[blocks.meshes[3].materials[0]].core;
+    assert_true(mirror->metallic == 1.0f && mirror->roughness == 0.0f);
+    assert_true(blocks.materials[blocks.meshes[2].materials[0]].core.metallic == 0.0f);
+    assert_int_equal(blocks.camera_count, 1);
+
+    const LsBakeInput inputs[] = {{.path = LS_SOURCE_DIR "/scenes/stage.gltf"},
+                                  {.path = LS_SOURCE_DIR "/scenes/bunny.ply",
+                                   .materials = LS_SOURCE_DIR "/scenes/glossy.json"}};
+    LsInput stage = compose(inputs, 2);
+    assert_int_equal(count_triangles(&stage), 8 + 69666);
+    assert_int_equal(stage.camera_count, 1);
+    uint32_t lights = 0;
+    for (uint32_t i = 0; i < 2; i++)
+        for (uint32_t k = 0; k < stage.meshes[i].triangle_count; k++)
+            lights +=
+                stage.materials[stage.meshes[i].materials[k]].core.flags & LS_MATERIAL_EMISSIVE;
+    assert_int_equal(lights, 6); // two triangles each
+    const LsInputMaterial* glossy = &stage.materials[stage.meshes[2].materials[0]];
+    assert_true(glossy->core.roughness == 0.443f && glossy->surface.ior == 1.925f);
+    ls_input_destroy(&box);
+    ls_input_destroy(&blocks);
+    ls_input_destroy(&stage);
+}
+
+// ---- Progress -----------------------------------------------------------------------------------
+
 typedef struct Heard
 {
     double last;
@@ -1274,6 +1349,7 @@ int main(void)
         cmocka_unit_test(test_memory_limit),
         cmocka_unit_test(test_bake_within_memory),
         cmocka_unit_test(test_bake_knows_its_inputs),
+        cmocka_unit_test(test_bundled_scenes),
         cmocka_unit_test(test_progress),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
