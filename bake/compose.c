@@ -3,6 +3,7 @@
 #include "compose.h"
 
 #include "material_file.h"
+#include "place.h"
 
 #include <math.h>
 #include <string.h>

@@ -3,7 +3,7 @@
 #ifndef LS_MATERIAL_FILE_H
 #define LS_MATERIAL_FILE_H
 
-#include "place.h"
+#include "convert.h"
 
 // Sets what `how->materials` names in the materials of the part, the last of the input. It is JSON
 // itself if it begins with '{', else the name of a file of at most LS_MATERIAL_FILE_BYTES:

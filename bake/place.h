@@ -1,20 +1,9 @@
-// place.h - conversion and placement of what one file brought into an LsInput.
+// place.h - placement of what one file brought into an LsInput, after its conversion.
 
 #ifndef LS_PLACE_H
 #define LS_PLACE_H
 
-#include "import/import.h"
-#include "ls_bake.h"
-
-// The part of an LsInput that one file brought: from these counts to the end of each array.
-typedef struct LsInputPart
-{
-    uint32_t first_mesh, first_instance, first_node, first_material, first_camera, first_lamp,
-        first_channel, first_key, first_warning;
-} LsInputPart;
-
-// Where the next file's part will begin: to be called before its import.
-LsInputPart ls_input_part(const LsInput* input);
+#include "convert.h"
 
 // Does to the part what `how` asks for, in the order that LsBakeInput states; without anything
 // asked nothing changes. Exact but for `scale` (each number rounded once) and the node above
