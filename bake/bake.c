@@ -1,8 +1,9 @@
 // bake.c - ls_bake_run: one call per stage, straight down.
 
-#include "import/import.h"
+#include "compose.h"
 #include "ls_bake.h"
 #include "ls_write.h"
+#include "memory_limit.h"
 #include "mesh.h"
 #include "pack.h"
 #include "tables.h"
@@ -82,22 +83,35 @@ static void end_stage(Bake* bake, LsBakeStage stage)
 
 static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
 {
-    if (desc->input_count == 0 || desc->output == NULL)
+    if (desc->input_count == 0)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
-                            "a bake needs at least one scene file and an output");
+        return ls_error_set(error, LS_MESSAGE_USAGE_NO_SCENE, "a bake needs a scene file");
+    }
+    if (desc->output == NULL)
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_NO_OUTPUT, "a bake needs an output");
     }
     if (desc->grid > LS_MAX_CELLS)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "grid %u is outside 1..%u", desc->grid,
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "grid %u is outside 1..%u", desc->grid,
                             LS_MAX_CELLS);
     }
     if (desc->patches > LS_MAX_PATCHES)
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "patches %u is outside 1..%u", desc->patches,
-                            LS_MAX_PATCHES);
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "patches %u is outside 1..%u",
+                            desc->patches, LS_MAX_PATCHES);
     }
-    return LS_OK;
+    if ((unsigned)desc->normals > LS_NORMALS_SMOOTH)
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_CHOICE, "normals is %d, which names no source",
+                            (int)desc->normals);
+    }
+    if (!(desc->smooth_angle >= 0.0 && desc->smooth_angle <= 180.0))
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "smooth_angle %g is outside 0..180",
+                            desc->smooth_angle);
+    }
+    return ls_compose_check(desc, error);
 }
 
 // Cells along the longest side until there is a cost model: about four triangles' widths of a
@@ -108,29 +122,19 @@ static uint32_t default_grid(uint32_t triangle_count)
     return side < 4.0 ? 4 : (side > 512.0 ? 512 : (uint32_t)side);
 }
 
+static LsResult check_memory(const Bake* bake, uint64_t needed, const char* what, LsError* error)
+{
+    return ls_memory_check(bake->desc->max_memory, needed, bake->desc->inputs[0].path, what, error);
+}
+
+static void note_import(void* user, double fraction)
+{
+    note_progress(user, LS_BAKE_STAGE_IMPORT, fraction);
+}
+
 static LsResult import_all(Bake* bake, LsError* error)
 {
-    for (uint32_t i = 0; i < bake->desc->input_count; i++)
-    {
-        LsResult result = ls_import(&bake->input, bake->desc->inputs[i].path, error);
-        if (result != LS_OK)
-        {
-            return result;
-        }
-        note_progress(bake, LS_BAKE_STAGE_IMPORT, (double)(i + 1) / bake->desc->input_count);
-    }
-    uint64_t faces = 0;
-    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
-    {
-        faces += bake->input.meshes[i].triangle_count;
-    }
-    if (faces == 0 || bake->input.instance_count == 0)
-    {
-        return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
-                            "%s: no triangles in the scene; nothing to bake",
-                            bake->desc->inputs[0].path);
-    }
-    return LS_OK;
+    return ls_compose(&bake->input, bake->desc, note_import, bake, error);
 }
 
 // What decides the bytes: the imported scene, the options, and the version of the format.
@@ -254,8 +258,11 @@ static LsResult make_voxels(Bake* bake, LsError* error)
         }
         LsGridFrame frame = ls_grid_frame(
             mesh, bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count));
-        LsResult result =
-            ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads, error);
+        LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
+        if (result == LS_OK)
+        {
+            result = ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads, error);
+        }
         if (result != LS_OK)
         {
             return result;
@@ -275,6 +282,12 @@ static void note_tables(void* user, double fraction)
 static LsResult make_tables(Bake* bake, LsError* error)
 {
     const LsTablesProgress progress = {.note = note_tables, .user = bake};
+    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, bake->patches);
+    const LsResult allowed = check_memory(bake, needed, "the table of shafts", error);
+    if (allowed != LS_OK)
+    {
+        return allowed;
+    }
     for (uint32_t i = 0; i < bake->input.mesh_count; i++)
     {
         LsBakedObject* object = &bake->objects[i];
@@ -302,14 +315,19 @@ static LsResult check_pack(const Bake* bake, LsError* error)
     {
         return LS_OK;
     }
-    return ls_error_set(error, LS_ERROR_INPUT_RANGE,
+    return ls_error_set(error, LS_MESSAGE_SCENE_RANGE,
                         "%s: the scene has numbers that the file cannot hold (%.800s); scale it",
                         bake->desc->inputs[0].path, broken.text);
 }
 
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    const uint64_t needed = ls_pack_need(bake->objects, bake->meshes, bake->input.mesh_count);
+    LsResult result = check_memory(bake, needed, "the file in memory", error);
+    if (result == LS_OK)
+    {
+        result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    }
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,
@@ -357,6 +375,7 @@ static LsResult run_stages(Bake* bake, LsError* error)
         bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
         return LS_OK;
     }
+    result = check_memory(bake, ls_mesh_need(&bake->input), "the largest object's mesh", error);
 
     static const struct
     {

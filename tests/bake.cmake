@@ -26,6 +26,12 @@ target_include_directories(test_shafts PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 ls_add_test(NAME test_voxels SOURCES test_voxels.c
     LIBRARIES ls_test_scenes ls_test_reference)
 
+# What the bake does with its inputs before the mesh stage is private to it too.
+foreach(test test_compose test_material_file test_place)
+    ls_add_test(NAME ${test} SOURCES ${test}.c compose_fixture.c LIBRARIES ls_bake ls_import)
+    target_include_directories(${test} PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+endforeach()
+
 # Inputs for test.sh, which bakes them with two compilers' builds.
 add_executable(write_scenes write_scenes.c)
 target_link_libraries(write_scenes PRIVATE ls_test_scenes ls_options PkgConfig::CMOCKA)

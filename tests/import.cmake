@@ -11,6 +11,7 @@ ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c LIBRARIES ls_
 function(ls_add_bad_input_test NAME GROUP)
     add_test(NAME ${NAME} COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_bad_input.sh
         ${GROUP} ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${PROJECT_SOURCE_DIR}/scenes)
+    set_tests_properties(${NAME} PROPERTIES ENVIRONMENT "LS_SANITIZE=${LS_SANITIZE}")
 endfunction()
 ls_add_bad_input_test(test_bad_input bake)
 if(LS_BUILD_RUNTIME)

@@ -2,8 +2,9 @@
 # test_bad_input.sh GROUP PROGRAMS SCENES - what the built programs do with bad input and bad places.
 #
 # GROUP: "bake" for lsbake and lsinfo, "runtime" for lstrace and lsview. PROGRAMS: folder of the programs. SCENES:
-# folder of the bundled scenes. Every case must end with its documented exit code and one line on standard error that
-# names the file or the thing, print nothing else, and leave the folder "out" as it was.
+# folder of the bundled scenes. Every case must end with its documented exit code and, after warnings if there are
+# any, one line on standard error that has the message's number and names the file or the thing, print nothing else,
+# and leave the folder "out" as it was.
 set -uo pipefail
 
 group=$1
@@ -23,11 +24,16 @@ list_out()
     find out -mindepth 1 \( -type f -exec cksum {} + -o -print \) | sort
 }
 
-# check EXIT_CODE WORD COMMAND... : WORD is what the line must name.
+# check NUMBER WORD COMMAND... : NUMBER is the message's, of four digits, which tells the exit code, or the exit code
+# alone; WORD is what the line must name.
 check()
 {
-    local expected=$1 word=$2 before after result
+    local expected=$1 word=$2 number="" before after result
     shift 2
+    if ((expected >= 1000)); then
+        number=$expected
+        expected=$((number < 2000 ? 1 : number < 4000 ? 2 : number / 1000 - 1))
+    fi
     before=$(list_out)
     : > stdout.txt
     "$programs/$1" "${@:2}" > "$standard_output" 2> stderr.txt < /dev/null
@@ -35,8 +41,9 @@ check()
     after=$(list_out)
     local complaints=()
     ((result == expected)) || complaints+=("exit code $result instead of $expected")
-    [[ $(wc -l < stderr.txt) == 1 && $(tail -c 1 stderr.txt | od -An -c) == *'\n'* ]] ||
+    [[ $(grep -cv "^$1: warning [0-9]*: " stderr.txt) == 1 && $(tail -c 1 stderr.txt | od -An -c) == *'\n'* ]] ||
         complaints+=("standard error is not one line")
+    [[ -z $number ]] || grep -qF "error $number: " stderr.txt || complaints+=("standard error has not the number $number")
     grep -qF -- "$word" stderr.txt || complaints+=("standard error does not name \"$word\"")
     [[ ! -s stdout.txt ]] || complaints+=("something on standard output")
     [[ "$before" == "$after" ]] || complaints+=("out/ has changed")
@@ -51,7 +58,7 @@ check()
     fi
 }
 
-# check_full KIB EXIT_CODE WORD COMMAND... : as check, with no room for files of more than KIB. Ignoring the signal makes
+# check_full KIB NUMBER WORD COMMAND... : as check, with no room for files of more than KIB. Ignoring the signal makes
 # write fail, as it does on a full disk.
 check_full()
 {
@@ -65,11 +72,29 @@ check_full()
     trap - XFSZ
 }
 
-# check_unheard COMMAND... : as check, with a standard output that takes nothing.
+# check_unheard [NUMBER] COMMAND... : as check, with a standard output that takes nothing.
 check_unheard()
 {
-    local standard_output=/dev/full
-    check 3 "standard output" "$@"
+    local standard_output=/dev/full expected=3
+    if [[ $1 =~ ^[0-9]+$ ]]; then
+        expected=$1
+        shift
+    fi
+    check "$expected" "standard output" "$@"
+}
+
+# check_killed SECONDS... : a bake that is killed after so long leaves an older output, or a whole new one.
+check_killed()
+{
+    local seconds
+    for seconds in "$@"; do
+        echo "an older bake" > out/killed.lspace
+        timeout -s TERM "$seconds" "$programs/lsbake" "$scenes/bunny.ply" --grid 16 --patches 2 -o out/killed.lspace --quiet
+        count=$((count + 1))
+        [[ $(head -c 13 out/killed.lspace) == "an older bake" ]] || "$programs/lsinfo" check --full out/killed.lspace > stdout.txt ||
+            wrong=$((wrong + 1))
+        rm -f out/killed.lspace out/.lspace-*.tmp
+    done
 }
 
 # ---- Inputs -----------------------------------------------------------------------------------------
@@ -119,13 +144,14 @@ done
 
 # ---- Usage ------------------------------------------------------------------------------------------
 
+# check_usage PROGRAM [UNKNOWN NOTHING UNHEARD]: the numbers for an unknown option, no argument, no standard output.
 check_usage()
 {
-    check 1 "--frobnicate" "$1" --frobnicate
-    check 1 "Z" "$1" -Z
-    check 1 "help" "$1"
-    check_unheard "$1" --help
-    check_unheard "$1" --version
+    check "${2:-1}" "--frobnicate" "$1" --frobnicate
+    check "${2:-1}" "Z" "$1" -Z
+    check "${3:-1}" "help" "$1"
+    check_unheard "${4:-3}" "$1" --help
+    check_unheard "${4:-3}" "$1" --version
 }
 
 # Programs that read an .lspace file, given as the last word but for those in $tail.
@@ -159,35 +185,61 @@ check_lspace()
 
 # ---- Group bake -------------------------------------------------------------------------------------
 
-# Bad scenes; an older output, where there is one, stays what it was.
+# check_scene SCENE [NUMBER]: bad scenes; an older output, where there is one, stays what it was.
 check_scene()
 {
-    check 2 "$1" lsbake "$1" -o out/scene.lspace
-    check 2 "$1" lsbake good.ply "$1" -o out/older.lspace
+    check "${2:-2}" "$1" lsbake "$1" -o out/scene.lspace
+    check "${2:-2}" "$1" lsbake good.ply "$1" -o out/older.lspace
+}
+
+# check_options NUMBER OPTIONS... : of one scene, each naming its first word.
+check_options()
+{
+    local number=$1 option
+    shift
+    for option in "$@"; do
+        # shellcheck disable=SC2086
+        check "$number" "${option%% *}" lsbake good.ply -o out/scene.lspace $option
+    done
 }
 
 check_bake()
 {
-    check_usage lsbake
-    check 1 "-o" lsbake good.ply
-    check 1 "-o" lsbake good.ply -o
-    check 1 "scene" lsbake -o out/scene.lspace
+    check_usage lsbake 1001 1005 4004
+    check 1006 "-o" lsbake good.ply
+    check 1002 "-o" lsbake good.ply -o
+    check 1002 "-o" lsbake good.ply -o ""
+    check 1005 "scene" lsbake -o out/scene.lspace
+    check_options 1003 "--grid 0" "--grid 4097" "--grid x" "--grid -1" "--grid 3.5" "--patches 0" "--patches 17" \
+        "--threads 0" "--threads 99999999999999999999" "--scale 0" "--scale -1" "--scale 1e31" "--scale x" "--scale 0x10" \
+        "--scale nan" "--scale inf" "--scale 1,5" "--size 0" "--size 1m" "--turn 361" "--at 0" "--at 0,1" "--at 0,1,2,3" \
+        "--at 0,,2" "--at 1e31,0,0" "--at a,b,c" "--at 0,1,nan" "--max-memory 0" "--max-memory 4T" "--max-memory 1.5G" \
+        "--max-memory -1" "--max-memory G" "--max-memory 4GB" "--max-memory 99999999999999999999" \
+        "--max-memory 99999999999G" "--max-triangles 0" "--max-triangles 1e6" "--max-triangles -5" "--scene -1" "--scene x"
+    check_options 1004 "--report xml" "--up w" "--up yz" "--normals smooth" "--normals 181" "--normals -1"
+    check_options 1002 "--grid" "--at" "--material" "--max-memory" "--report"
+    check 1002 "--material" lsbake good.ply -o out/scene.lspace --material ""
+    check 1004 "--up" lsbake good.ply -o out/scene.lspace --up ""
+    check_options 1009 "--scene 0"
+    # Options of an input stand behind one.
     local option
-    for option in "--grid 0" "--grid 4097" "--grid x" "--grid -1" "--grid 3.5" "--patches 0" "--patches 17" \
-        "--threads 0" "--threads 99999999999999999999" "--report xml"; do
+    for option in --flip "--up z" "--scale 2" "--size 1" "--turn 5" "--at 0,0,0" "--scene 0" "--material {}"; do
         # shellcheck disable=SC2086
-        check 1 "${option%% *}" lsbake good.ply -o out/scene.lspace $option
+        check 1008 "${option%% *}" lsbake $option good.ply -o out/scene.lspace
     done
-    check 1 "--grid" lsbake good.ply -o out/scene.lspace --grid
 
     echo "an older bake" > out/older.lspace
     mkdir a_folder.ply
-    for scene in missing.ply missing.gltf empty.ply a_folder a_folder.ply good.ply/inside.ply; do
-        check_scene "$scene"
+    for scene in missing.ply missing.gltf good.ply/inside.ply; do
+        check_scene "$scene" 2001
     done
-    for ending in ply obj gltf glb xyz; do
+    check_scene empty.ply 2201
+    check_scene a_folder 2301
+    check_scene a_folder.ply 2301
+    for ending in ply obj gltf glb; do
         check_scene "foreign.$ending"
     done
+    check_scene foreign.xyz 3590
 
     head -c 700000 "$scenes/bunny.ply" > cut.ply
     check_scene cut.ply
@@ -222,10 +274,12 @@ check_bake()
     printf '{"asset":{"version":"2.0"},"scenes":[{}]}' > nothing.gltf
     printf '{"asset":{"version":"2.0"}}' > no_scene.gltf
     ascii_triangle '0 0 0' '1 0 0' '0 1 0' '3 0 1 1' > no_area.ply
-    for scene in points.ply points.obj nothing.gltf no_scene.gltf no_area.ply; do
-        check 2 "triangle" lsbake "$scene" -o out/scene.lspace
-        check 2 "triangle" lsbake "$scene" -o out/older.lspace
+    for scene in points.ply points.obj nothing.gltf no_scene.gltf; do
+        check 3390 "triangle" lsbake "$scene" -o out/scene.lspace
+        check 3390 "triangle" lsbake "$scene" -o out/older.lspace
     done
+    check 2 "triangle" lsbake no_area.ply -o out/scene.lspace
+    check 2 "triangle" lsbake no_area.ply -o out/older.lspace
 
     ascii_triangle '1e30 0 0' '1e30 1 0' '1e30 0 1' '3 0 1 2' > far.ply
     check_scene far.ply
@@ -239,6 +293,35 @@ check_bake()
     gltf '' > lonely.gltf
     mv triangle.bin elsewhere.bin
     check_scene lonely.gltf
+
+    # Placement and materials.
+    check 3090 points.ply lsbake points.ply --at 0,0,0 -o out/scene.lspace
+    check 3090 nothing.gltf lsbake good.ply nothing.gltf --size 2 -o out/older.lspace
+    check 3495 far.ply lsbake far.ply --scale 1e30 -o out/scene.lspace
+    printf '{"ior": 1.5, "gloss": 1}' > key.json
+    printf '{"materials": {"gold": {}}}' > name.json
+    printf '{"ior": "glass"}' > value.json
+    printf '{"ior": 1.5' > broken.json
+    check 3091 broken.json lsbake good.ply --material broken.json -o out/scene.lspace
+    check 3091 "--material" lsbake good.ply --material '{"ior": 1.5' -o out/older.lspace
+    check 3092 gloss lsbake good.ply --material key.json -o out/scene.lspace
+    check 3093 ior lsbake good.ply --material value.json -o out/scene.lspace
+    check 3094 gold lsbake good.ply --material name.json -o out/scene.lspace
+    check 2001 missing.json lsbake good.ply --material missing.json -o out/scene.lspace
+    check 2201 empty.ply lsbake good.ply --material empty.ply -o out/scene.lspace
+    check 2301 a_folder lsbake good.ply --material a_folder -o out/scene.lspace
+
+    # Limits.
+    check 3790 bunny.ply lsbake "$scenes/bunny.ply" --max-triangles 69665 -o out/scene.lspace
+    check 3790 good.ply lsbake good.ply good.ply --max-triangles 1 -o out/older.lspace
+    check 3791 bunny.ply lsbake "$scenes/bunny.ply" --max-memory 1M -o out/scene.lspace
+    check 3791 shafts lsbake "$scenes/bunny.ply" --patches 16 --max-memory 1G -o out/older.lspace
+    # What no stage can tell beforehand; sanitizers of memory cannot live with a limit of the process.
+    if [[ ! ${LS_SANITIZE:-} =~ address|thread ]]; then
+        check 6 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/scene.lspace
+        check 6 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/older.lspace
+    fi
+    "$programs/lsbake" good.ply --max-memory 64M --max-triangles 1 -o good_limit.lspace --quiet || wrong=$((wrong + 1))
 
     # Bad places for the output.
     check 3 a_folder lsbake good.ply -o a_folder
@@ -254,19 +337,22 @@ check_bake()
     ln -s scene.ply out/link.ply
     ln out/scene.ply out/second_name.ply
     for output in scene.ply ./scene.ply link.ply second_name.ply; do
-        check 1 "out/$output" lsbake out/scene.ply -o "out/$output"
-        check 1 "out/$output" lsbake good.ply out/scene.ply --force -o "out/$output"
+        check 1007 "out/$output" lsbake out/scene.ply -o "out/$output"
+        check 1007 "out/$output" lsbake good.ply out/scene.ply --force -o "out/$output"
     done
+    cp key.json out
+    check 1007 out/key.json lsbake good.ply --material out/key.json -o out/key.json
     # More room than the thread sanitizer takes for itself, less than the bunny.
     for output in out/full.lspace out/older.lspace; do
         check_full 3000 3 "$output" lsbake "$scenes/bunny.ply" --grid 8 --patches 1 -o "$output"
     done
+    check_killed 0.02 0.05 0.1 0.2 0.3
     [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))
 
     "$programs/lsbake" good.ply -o good.lspace --quiet || wrong=$((wrong + 1))
-    check_unheard lsbake good.ply -o good.lspace
-    check_unheard lsbake good.ply -o good.lspace --force
-    check_unheard lsbake good.ply -o good.lspace --force --report json
+    check_unheard 4004 lsbake good.ply -o good.lspace
+    check_unheard 4004 lsbake good.ply -o good.lspace --force
+    check_unheard 4004 lsbake good.ply -o good.lspace --force --report json
     check_usage lsinfo
     check_unheard lsinfo good.lspace
     check_unheard lsinfo --json good.lspace

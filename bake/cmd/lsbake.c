@@ -1,197 +1,78 @@
 // lsbake.c - arguments to a desc, one call, a report.
 
-#include "ls_bake.h"
+#include "bake_arguments.h"
+#include "bake_warnings.h"
+#include "ls_messages.h"
 #include "ls_write.h"
+#include "memory_net.h"
 
 #include <cjson/cJSON.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
-static const char HELP[] =
-    "lsbake - bakes scenes into one .lspace file\n"
-    "\n"
-    "usage: lsbake SCENE... -o OUT.lspace [options]\n"
-    "\n"
-    "SCENE is a .gltf, .glb, .obj, .ply, .off or .stl file; several are put together as they\n"
-    "lie, their objects numbered in order.\n"
-    "\n"
-    "  -o, --output FILE   where to write (required)\n"
-    "      --grid G        cells along the longest side of each object's box, 1 to 4096\n"
-    "                      (default: a quarter of the root of its triangle count, 4 to 512)\n"
-    "      --patches N     patches along a voxel's edge, 1 to 16 (default 3)\n"
-    "      --threads T     threads; the result does not depend on it (default: all processors)\n"
-    "  -f, --force         bake although the output is up to date\n"
-    "      --report json   print the report as JSON on standard output\n"
-    "  -q, --quiet         print nothing but errors\n"
-    "  -h, --help          this text\n"
-    "      --version       version of program and format\n"
-    "\n"
-    "exit codes: 0 done, 1 usage, 2 input, 3 output, 6 out of memory\n";
-
-// Everything the command line says.
-typedef struct Arguments
+static LsResult check_path(const char* input, const char* output, LsError* error)
 {
-    LsBakeDesc desc;
-    bool quiet;
-    bool json;
-    bool done; // --help or --version was answered
-} Arguments;
-
-static LsResult parse_number(const char* option, const char* text, uint32_t smallest,
-                             uint32_t largest, uint32_t* out, LsError* error)
-{
-    char* end = NULL;
-    errno = 0;
-    unsigned long value =
-        text != NULL && text[0] >= '0' && text[0] <= '9' ? strtoul(text, &end, 10) : 0;
-    if (end == NULL || *end != '\0' || errno != 0 || value < smallest || value > largest)
+    if (!ls_path_is_same(input, output))
     {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
-                            "%s takes a whole number from %u to %u, not '%s'", option, smallest,
-                            largest, text != NULL ? text : "");
+        return LS_OK;
     }
-    *out = (uint32_t)value;
-    return LS_OK;
-}
-
-static LsResult parse_option(Arguments* arguments, const char* option, const char* value,
-                             LsError* error)
-{
-    LsBakeDesc* desc = &arguments->desc;
-    if (strcmp(option, "-o") == 0 || strcmp(option, "--output") == 0)
-    {
-        desc->output = value;
-        return value != NULL && value[0] != '\0'
-                   ? LS_OK
-                   : ls_error_set(error, LS_ERROR_ARGUMENT, "%s takes a file name", option);
-    }
-    if (strcmp(option, "--grid") == 0)
-    {
-        return parse_number(option, value, 1, LS_MAX_CELLS, &desc->grid, error);
-    }
-    if (strcmp(option, "--patches") == 0)
-    {
-        return parse_number(option, value, 1, LS_MAX_PATCHES, &desc->patches, error);
-    }
-    if (strcmp(option, "--threads") == 0)
-    {
-        return parse_number(option, value, 1, 1024, &desc->threads, error);
-    }
-    arguments->json = value != NULL && strcmp(value, "json") == 0;
-    return arguments->json ? LS_OK
-                           : ls_error_set(error, LS_ERROR_ARGUMENT, "--report takes 'json'");
-}
-
-static bool takes_value(const char* option)
-{
-    static const char* const options[] = {"-o",        "--output",  "--grid",
-                                          "--patches", "--threads", "--report"};
-    for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-    {
-        if (strcmp(option, options[i]) == 0)
-        {
-            return true;
-        }
-    }
-    return false;
-}
-
-// Inputs are gathered into `inputs`, which has room for all arguments.
-static LsResult parse_arguments(Arguments* arguments, LsBakeInput* inputs, int argc, char** argv,
-                                LsError* error)
-{
-    bool options_end = false;
-    for (int i = 1; i < argc; i++)
-    {
-        const char* word = argv[i];
-        if (options_end || word[0] != '-' || word[1] == '\0')
-        {
-            inputs[arguments->desc.input_count++].path = word;
-        }
-        else if (strcmp(word, "--") == 0)
-        {
-            options_end = true;
-        }
-        else if (takes_value(word))
-        {
-            i++;
-            LsResult result = parse_option(arguments, word, i < argc ? argv[i] : NULL, error);
-            if (result != LS_OK)
-            {
-                return result;
-            }
-        }
-        else if (strcmp(word, "-f") == 0 || strcmp(word, "--force") == 0)
-        {
-            arguments->desc.force = true;
-        }
-        else if (strcmp(word, "-q") == 0 || strcmp(word, "--quiet") == 0)
-        {
-            arguments->quiet = true;
-        }
-        else if (strcmp(word, "-h") == 0 || strcmp(word, "--help") == 0)
-        {
-            fputs(HELP, stdout);
-            arguments->done = true;
-            return LS_OK;
-        }
-        else if (strcmp(word, "--version") == 0)
-        {
-            printf("lsbake %s, format %d.%d\n", LS_VERSION_TEXT, LS_FORMAT_MAJOR, LS_FORMAT_MINOR);
-            arguments->done = true;
-            return LS_OK;
-        }
-        else
-        {
-            return ls_error_set(error, LS_ERROR_ARGUMENT,
-                                "unknown option '%s'; lsbake --help lists all", word);
-        }
-    }
-    arguments->desc.inputs = inputs;
-    if (arguments->desc.input_count == 0)
-    {
-        return ls_error_set(error, LS_ERROR_ARGUMENT, "no scene given; lsbake --help shows how");
-    }
-    if (arguments->desc.output == NULL)
-    {
-        return ls_error_set(error, LS_ERROR_ARGUMENT,
-                            "no output given; name it with -o OUT.lspace");
-    }
-    return LS_OK;
+    return ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
+                        "%s: the output would replace the input %s; choose another name", output,
+                        input);
 }
 
 static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
 {
-    for (uint32_t i = 0; i < desc->input_count; i++)
+    LsResult result = LS_OK;
+    for (uint32_t i = 0; i < desc->input_count && result == LS_OK; i++)
     {
-        if (ls_path_is_same(desc->inputs[i].path, desc->output))
+        const LsBakeInput* input = &desc->inputs[i];
+        result = check_path(input->path, desc->output, error);
+        if (result == LS_OK && input->materials != NULL && input->materials[0] != '{')
         {
-            return ls_error_set(error, LS_ERROR_ARGUMENT,
-                                "%s: the output would replace the scene %s; choose another name",
-                                desc->output, desc->inputs[i].path);
+            result = check_path(input->materials, desc->output, error);
         }
     }
-    return ls_output_check(desc->output, error);
+    return result == LS_OK ? ls_output_check(desc->output, error) : result;
 }
 
-// A bar on the terminal's last line, rewritten in place.
+// The state of the bar.
+typedef struct Bar
+{
+    int percent;
+    double drawn; // when, in seconds
+} Bar;
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+// A bar on the terminal's last line, rewritten in place, ten times a second at most.
 static void draw_progress(void* user, const char* stage, double fraction)
 {
-    int* last = user;
-    int now = (int)(fraction * 30.0);
-    if (now == *last)
+    Bar* bar = user;
+    const int percent = (int)(fraction * 100.0);
+    const bool is_end = fraction >= 1.0;
+    const double time = now();
+    if (percent == bar->percent || (!is_end && fraction > 0.0 && time < bar->drawn + 0.1))
     {
         return;
     }
-    *last = now;
-    fprintf(stderr, "\r%-10s [%-30.*s] %3d %%", stage, now, "##############################",
-            (int)(fraction * 100.0));
-    if (fraction >= 1.0)
+    *bar = (Bar){.percent = percent, .drawn = time};
+    if (is_end)
     {
         fputs("\r\033[K", stderr);
+    }
+    else
+    {
+        fprintf(stderr, "\r%-10s [%-30.*s] %3d %%", stage, percent * 30 / 100,
+                "##############################", percent);
     }
     fflush(stderr);
 }
@@ -245,12 +126,13 @@ static void print_text(const LsBakeReport* report, const char* output)
     }
 }
 
-static void print_json(const LsBakeReport* report, const char* output)
+static void print_json(const LsBakeReport* report, const char* output, const BakeWarnings* warnings)
 {
     cJSON* root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "output", output);
     cJSON_AddBoolToObject(root, "up_to_date", report->up_to_date);
     cJSON_AddNumberToObject(root, "file_bytes", (double)report->file_bytes);
+    ls_bake_warnings_json(warnings, root);
     if (!report->up_to_date)
     {
         const struct
@@ -309,51 +191,76 @@ static void print_json(const LsBakeReport* report, const char* output)
     cJSON_Delete(root);
 }
 
-static int fail(const LsError* error)
+static int fail(const LsError* error, const LsBakeDesc* desc)
 {
-    fprintf(stderr, "lsbake: error %u: %s\n", error->message, error->text);
+    fprintf(stderr, "lsbake: error %u: %s", error->message, error->text);
+    if (error->result == LS_ERROR_MEMORY && desc->max_memory > 0)
+    {
+        fprintf(stderr, "; --max-memory allows %.1f MB: raise it, or bake less",
+                (double)desc->max_memory * 1e-6);
+    }
+    fputc('\n', stderr);
     return (int)ls_result_exit_code(error->result);
+}
+
+static LsResult bake(const BakeArguments* arguments, LsError* error)
+{
+    LsBakeDesc desc = arguments->desc;
+    Bar bar = {.percent = -1};
+    BakeWarnings warnings = {.quiet = arguments->quiet};
+    desc.warn = ls_bake_warnings_take;
+    desc.warn_user = &warnings;
+    if (!arguments->quiet && isatty(STDERR_FILENO))
+    {
+        desc.progress = draw_progress;
+        desc.progress_user = &bar;
+    }
+    LsResult result = check_paths(&desc, error);
+    if (result == LS_OK)
+    {
+        if (desc.max_memory > 0)
+        {
+            ls_memory_net_set(desc.max_memory, desc.threads);
+        }
+        LsBakeReport report;
+        result = ls_bake_run(&desc, &report, error);
+        ls_bake_warnings_end(&warnings);
+        if (result == LS_OK && arguments->json)
+        {
+            print_json(&report, desc.output, &warnings);
+        }
+        else if (result == LS_OK && !arguments->quiet)
+        {
+            print_text(&report, desc.output);
+        }
+    }
+    ls_bake_warnings_destroy(&warnings);
+    return result;
 }
 
 int main(int argc, char** argv)
 {
     LsError error = {0};
-    Arguments arguments = {0};
-    LsBakeInput* inputs = calloc((size_t)argc, sizeof *inputs);
-    if (inputs == NULL)
+    BakeArguments arguments;
+    LsResult result = ls_bake_arguments_parse(&arguments, argc, argv, &error);
+    if (result == LS_OK && arguments.help)
     {
-        ls_error_set(&error, LS_ERROR_MEMORY, "out of memory");
-        return fail(&error);
+        fputs(ls_bake_help, stdout);
     }
-    LsResult result = parse_arguments(&arguments, inputs, argc, argv, &error);
-    if (result == LS_OK && !arguments.done)
+    else if (result == LS_OK && arguments.version)
     {
-        result = check_paths(&arguments.desc, &error);
+        printf("lsbake %s, format %d.%d\n", LS_VERSION_TEXT, LS_FORMAT_MAJOR, LS_FORMAT_MINOR);
     }
-    if (result == LS_OK && !arguments.done)
+    else if (result == LS_OK)
     {
-        int last = -1;
-        if (!arguments.quiet && isatty(STDERR_FILENO))
-        {
-            arguments.desc.progress = draw_progress;
-            arguments.desc.progress_user = &last;
-        }
-        LsBakeReport report;
-        result = ls_bake_run(&arguments.desc, &report, &error);
-        if (result == LS_OK && arguments.json)
-        {
-            print_json(&report, arguments.desc.output);
-        }
-        else if (result == LS_OK && !arguments.quiet)
-        {
-            print_text(&report, arguments.desc.output);
-        }
+        result = bake(&arguments, &error);
     }
-    free(inputs);
     if (result == LS_OK && (fflush(stdout) != 0 || ferror(stdout)))
     {
-        result = ls_error_set(&error, LS_ERROR_OUTPUT,
+        result = ls_error_set(&error, LS_MESSAGE_OUTPUT_STANDARD,
                               "standard output cannot be written; is the disk full?");
     }
-    return result == LS_OK ? 0 : fail(&error);
+    const int code = result == LS_OK ? 0 : fail(&error, &arguments.desc);
+    ls_bake_arguments_destroy(&arguments);
+    return code;
 }

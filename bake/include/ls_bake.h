@@ -34,21 +34,24 @@ extern "C"
     } LsUpAxis;
 
     // A scene file and its place in the bake. Zero means default, but for the path. What is done, in
-    // this order: the file's own space is turned (up) and scaled (scale) and its faces turned round
-    // (flip), in the vertices themselves; then the whole is placed (size, turn, at) by a node above
-    // its own.
+    // this order: its materials are overridden; the file's own space is turned (up) and scaled (scale)
+    // and its faces turned round (flip), in the vertices themselves; then the whole is scaled (size)
+    // and turned (turn) about the middle of the bottom of its bounding box, which goes to `at`, by a
+    // node above the file's own. Cameras and lamps go with it.
     typedef struct LsBakeInput
     {
         const char* path; // the ending names the format
         uint32_t scene;   // of a glTF file: number of the scene to take, plus 1; 0: its default
         LsUpAxis up;
-        double scale; // > 0; 0: 1
-        bool flip;    // the corners of every face run the other way
-        bool is_at;   // `at` counts
-        double at[3]; // world: where the middle of the bottom of the file's bounding box goes
-        double size;  // world: length of the box's longest side; 0: as it is
-        double turn;  // degrees about the world's y axis, counter-clockwise seen from above
-        const char* materials; // JSON that overrides its materials, see README; NULL: none
+        double scale; // up to 1e30; 0: 1
+        bool flip;  // the corners of every face run the other way, and normals point the other way
+        bool is_at; // `at` counts; else the middle of the bottom stays where it is
+        double at[3]; // world
+        double size;  // world: length of the box's longest side, up to 1e30; 0: as it is
+        double turn;  // degrees about the vertical, counter-clockwise seen from above
+        // JSON that begins with {, or the name of a file of it, that overrides the file's materials
+        // (README, Bake); NULL: none.
+        const char* materials;
     } LsBakeInput;
 
     // Where shading normals come from.
@@ -75,7 +78,8 @@ extern "C"
         LsNormalSource normals;
         double smooth_angle;    // degrees, for LS_NORMALS_SMOOTH
         bool strict;            // a warning is an error
-        uint64_t max_memory;    // bytes of this process; 0: no limit
+        uint64_t max_memory;    // bytes of this process, held against what a stage is known to need
+                                // before it begins; 0: no limit
         uint64_t max_triangles; // of all inputs together; 0: no limit
         LsWarn* warn;
         void* warn_user;

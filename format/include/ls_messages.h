@@ -12,24 +12,33 @@
 // A list per topic: NAME, number. Within each hundred of the 3xxx a topic has its own block: PLY from
 // 01, OBJ and MTL from 20, OFF from 40, STL from 55, glTF from 70, all else from 90.
 
-#define LS_MESSAGES_USAGE(X)  \
-    X(LSTRACE_OPTION, 1020)   \
-    X(LSTRACE_VALUE, 1021)    \
-    X(LSTRACE_FILES, 1022)    \
-    X(LSTRACE_REPLACES, 1023) \
-    X(LSVIEW_OPTION, 1040)    \
-    X(LSVIEW_VALUE, 1041)     \
-    X(LSVIEW_FILES, 1042)     \
-    X(LSVIEW_REPLACES, 1043)  \
-    X(LSVIEW_WINDOW, 1044)    \
-    X(LSINFO_OPTION, 1060)    \
-    X(LSINFO_FILES, 1061)     \
-    X(LSINFO_COMMAND, 1062)   \
-    X(TRACE_METHOD, 1080)     \
-    X(TRACE_FLAGS, 1081)      \
-    X(TRACE_TIMES, 1082)      \
-    X(TRACE_COUNT, 1083)      \
-    X(TRACE_ADDRESS, 1084)    \
+#define LS_MESSAGES_USAGE(X)       \
+    X(USAGE_OPTION_UNKNOWN, 1001)  \
+    X(USAGE_OPTION_VALUE, 1002)    \
+    X(USAGE_NUMBER, 1003)          \
+    X(USAGE_CHOICE, 1004)          \
+    X(USAGE_NO_SCENE, 1005)        \
+    X(USAGE_NO_OUTPUT, 1006)       \
+    X(USAGE_OUTPUT_IS_INPUT, 1007) \
+    X(USAGE_OPTION_PLACE, 1008)    \
+    X(USAGE_NOT_GLTF, 1009)        \
+    X(LSTRACE_OPTION, 1020)        \
+    X(LSTRACE_VALUE, 1021)         \
+    X(LSTRACE_FILES, 1022)         \
+    X(LSTRACE_REPLACES, 1023)      \
+    X(LSVIEW_OPTION, 1040)         \
+    X(LSVIEW_VALUE, 1041)          \
+    X(LSVIEW_FILES, 1042)          \
+    X(LSVIEW_REPLACES, 1043)       \
+    X(LSVIEW_WINDOW, 1044)         \
+    X(LSINFO_OPTION, 1060)         \
+    X(LSINFO_FILES, 1061)          \
+    X(LSINFO_COMMAND, 1062)        \
+    X(TRACE_METHOD, 1080)          \
+    X(TRACE_FLAGS, 1081)           \
+    X(TRACE_TIMES, 1082)           \
+    X(TRACE_COUNT, 1083)           \
+    X(TRACE_ADDRESS, 1084)         \
     X(PICTURE_SETTINGS, 1085)
 
 #define LS_MESSAGES_FILES(X)  \
@@ -91,7 +100,16 @@
     X(GLTF_WARN_CHANNEL, 3886)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
-#define LS_MESSAGES_SCENE(X)
+#define LS_MESSAGES_SCENE(X)    \
+    X(PLACE_NO_BOX, 3090)       \
+    X(MATERIAL_JSON, 3091)      \
+    X(MATERIAL_KEY, 3092)       \
+    X(MATERIAL_VALUE, 3093)     \
+    X(MATERIAL_NAME, 3094)      \
+    X(SCENE_NO_TRIANGLES, 3390) \
+    X(SCENE_RANGE, 3492)        \
+    X(PLACE_RANGE, 3495)        \
+    X(PLACE_DEPTH, 3795)
 
 #define LS_MESSAGES_INPUT(X)  \
     X(RAYS_CUT, 3099)         \

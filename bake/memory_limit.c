@@ -1,0 +1,80 @@
+// memory_limit.c - sums over what the stages are about to allocate.
+
+#include "memory_limit.h"
+
+#include "linespace.h"
+
+#include <stdio.h>
+#include <unistd.h>
+
+uint64_t ls_memory_in_use(void)
+{
+    // Linux: pages of size, resident, shared with files.
+    unsigned long long size = 0, resident = 0, shared = 0;
+    FILE* file = fopen("/proc/self/statm", "r");
+    if (!file)
+        return 0;
+    const int count = fscanf(file, "%llu %llu %llu", &size, &resident, &shared);
+    fclose(file);
+    return count == 3 && resident > shared ? (resident - shared) * (uint64_t)sysconf(_SC_PAGESIZE)
+                                           : 0;
+}
+
+LsResult ls_memory_check(uint64_t limit, uint64_t needed, const char* scene, const char* what,
+                         LsError* error)
+{
+    const uint64_t in_use = limit ? ls_memory_in_use() : 0;
+    if (!limit || (in_use <= limit && needed <= limit - in_use))
+        return LS_OK;
+    return ls_error_set(
+        error, LS_MESSAGE_LIMIT_MEMORY,
+        "%s: %s takes %.1f MB beside the %.1f MB in use, more than the %.1f MB that "
+        "--max-memory allows; raise it, or bake less, coarser or with fewer patches",
+        scene, what, (double)needed * 1e-6, (double)in_use * 1e-6, (double)limit * 1e-6);
+}
+
+uint64_t ls_mesh_need(const LsInput* input)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < input->mesh_count; i++)
+        most = input->meshes[i].triangle_count > most ? input->meshes[i].triangle_count : most;
+    return sizeof(LsTriangle) * most;
+}
+
+uint64_t ls_grid_need(const LsGridFrame* frame)
+{
+    uint64_t blocks = 1;
+    for (int axis = 0; axis < 3; axis++)
+        blocks *= (frame->cells[axis] + LS_BLOCK_SIDE - 1) / LS_BLOCK_SIDE;
+    return 2 * sizeof(uint32_t) * blocks;
+}
+
+uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, uint32_t patches)
+{
+    uint64_t bits = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < objects[i].voxels.voxel_count; k++)
+        {
+            const LsWorkVoxel* voxel = &objects[i].voxels.voxels[k];
+            if (voxel->kind == LS_VOXEL_MASKS)
+                bits += (uint64_t)LS_SHAFT_COUNT(patches)
+                        << ls_mask_width_log2(voxel->reference_count);
+        }
+    return bits / 8;
+}
+
+uint64_t ls_pack_need(const LsBakedObject* objects, const LsMesh* meshes, uint32_t count)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        const LsVoxels* voxels = &objects[i].voxels;
+        sum += sizeof(LsTriangle) * (uint64_t)meshes[i].triangle_count +
+               sizeof(LsCellBlock) * (uint64_t)voxels->cell_block_count +
+               sizeof(LsVoxel) * (uint64_t)voxels->voxel_count +
+               sizeof(LsBvhNode) * (uint64_t)voxels->leaf_node_count +
+               sizeof(uint32_t) * ((uint64_t)voxels->block_count + voxels->subgrid_count +
+                                   voxels->reference_count + objects[i].tables.word_count);
+    }
+    return sum;
+}
