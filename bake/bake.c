@@ -4,7 +4,9 @@
 #include "ls_bake.h"
 #include "ls_write.h"
 #include "mesh.h"
+#include "mesh_report.h"
 #include "pack.h"
+#include "source_hash.h"
 #include "tables.h"
 #include "voxels.h"
 #include "world.h"
@@ -16,13 +18,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #define DEFAULT_PATCHES 3
-
-// Part of what decides whether a file is current. Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 1
 
 const char* ls_bake_stage_text(LsBakeStage stage)
 {
@@ -126,49 +122,11 @@ static LsResult import_all(Bake* bake, LsError* error)
     }
     if (faces == 0 || bake->input.instance_count == 0)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+        return ls_error_set(error, LS_MESSAGE_SCENE_NO_TRIANGLES,
                             "%s: no triangles in the scene; nothing to bake",
                             bake->desc->inputs[0].path);
     }
     return LS_OK;
-}
-
-// What decides the bytes: the imported scene, the options, and the version of the format.
-static void hash_source(Bake* bake)
-{
-    const LsInput* input = &bake->input;
-    XXH3_state_t state;
-    XXH3_128bits_reset(&state);
-    const uint32_t options[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR,  LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR, bake->desc->grid, bake->patches};
-    XXH3_128bits_update(&state, options, sizeof options);
-    for (uint32_t i = 0; i < input->mesh_count; i++)
-    {
-        const LsInputMesh* mesh = &input->meshes[i];
-        const uint32_t counts[] = {mesh->vertex_count, mesh->triangle_count};
-        XXH3_128bits_update(&state, counts, sizeof counts);
-        XXH3_128bits_update(&state, mesh->positions, sizeof(float) * 3 * mesh->vertex_count);
-        XXH3_128bits_update(&state, mesh->indices, sizeof(uint32_t) * 3 * mesh->triangle_count);
-        XXH3_128bits_update(&state, mesh->materials, sizeof(uint32_t) * mesh->triangle_count);
-    }
-    for (uint32_t i = 0; i < input->instance_count; i++)
-    {
-        const LsInputInstance* instance = &input->instances[i];
-        const uint32_t links[] = {instance->mesh, instance->node};
-        XXH3_128bits_update(&state, links, sizeof links);
-        XXH3_128bits_update(&state, instance->world_from_object,
-                            sizeof instance->world_from_object);
-    }
-    XXH3_128bits_update(&state, input->nodes, sizeof(LsSceneNode) * input->node_count);
-    for (uint32_t i = 0; i < input->material_count; i++)
-    {
-        XXH3_128bits_update(&state, &input->materials[i].core, sizeof(LsMaterial));
-        XXH3_128bits_update(&state, &input->materials[i].surface, sizeof(LsSurface));
-    }
-    XXH3_128bits_update(&state, input->cameras, sizeof(LsCamera) * input->camera_count);
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state));
-    memcpy(bake->source_hash, canonical.digest, sizeof bake->source_hash);
 }
 
 // Whether the output is a sound file of just this input.
@@ -188,6 +146,23 @@ static bool is_up_to_date(Bake* bake)
     return current;
 }
 
+// The mesh has its own copy; large scenes need the room.
+static void free_geometry(LsInputMesh* source)
+{
+    free(source->positions);
+    free(source->indices);
+    free(source->materials);
+    source->positions = NULL;
+    source->indices = NULL;
+    source->materials = NULL;
+    for (int kind = 0; kind < LS_STREAM_COUNT; kind++)
+    {
+        free(source->streams[kind].values);
+        free(source->streams[kind].indices);
+        source->streams[kind] = (LsInputStream){0};
+    }
+}
+
 static LsResult make_meshes(Bake* bake, LsError* error)
 {
     uint32_t count = bake->input.mesh_count;
@@ -196,31 +171,35 @@ static LsResult make_meshes(Bake* bake, LsError* error)
     bake->objects = calloc(count, sizeof(LsBakedObject));
     if (bake->meshes == NULL || bake->objects == NULL)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u objects", count);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for %u objects", count);
     }
     for (uint32_t i = 0; i < count; i++)
     {
         LsInputMesh* source = &bake->input.meshes[i];
+        const char* path = bake->input.paths[source->input_index];
+        LsMeshFindings findings;
+        LsMesh* mesh = &bake->meshes[i];
         LsResult result =
-            ls_mesh_create(&bake->meshes[i], source, bake->input.paths[source->input_index], error);
+            ls_mesh_create(mesh, &bake->input, i, bake->desc, bake->threads, &findings, error);
         if (result != LS_OK)
         {
             return result;
         }
-        bake->report.face_count += bake->meshes[i].face_count;
-        bake->report.degenerate_count += bake->meshes[i].degenerate_count;
-        triangles += bake->meshes[i].triangle_count;
-        // The mesh has its own copy; large scenes need the room.
-        free(source->positions);
-        free(source->indices);
-        free(source->materials);
-        source->positions = NULL;
-        source->indices = NULL;
-        source->materials = NULL;
+        if (!ls_mesh_report_add(&bake->report, i, path, source->name, &findings))
+        {
+            return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "%s: out of memory for the report",
+                                path);
+        }
+        bake->report.face_count += mesh->face_count;
+        bake->report.degenerate_count += mesh->degenerate_count;
+        bake->report.dropped_count += mesh->face_count - mesh->triangle_count;
+        triangles += mesh->triangle_count;
+        free_geometry(source);
+        note_progress(bake, LS_BAKE_STAGE_MESH, (double)(i + 1) / count);
     }
     bake->report.triangle_count = triangles;
     return triangles > 0 ? LS_OK
-                         : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                         : ls_error_set(error, LS_MESSAGE_SCENE_ALL_FLAT,
                                         "%s: all %llu triangles are degenerate; nothing to bake",
                                         bake->desc->inputs[0].path,
                                         (unsigned long long)bake->report.face_count);
@@ -302,7 +281,7 @@ static LsResult check_pack(const Bake* bake, LsError* error)
     {
         return LS_OK;
     }
-    return ls_error_set(error, LS_ERROR_INPUT_RANGE,
+    return ls_error_set(error, LS_MESSAGE_SCENE_RANGE,
                         "%s: the scene has numbers that the file cannot hold (%.800s); scale it",
                         bake->desc->inputs[0].path, broken.text);
 }
@@ -351,7 +330,7 @@ static LsResult run_stages(Bake* bake, LsError* error)
     {
         return result;
     }
-    hash_source(bake);
+    ls_source_hash(&bake->input, bake->desc, bake->patches, bake->source_hash);
     if (!bake->desc->force && is_up_to_date(bake))
     {
         bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
@@ -393,9 +372,13 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run_stages(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();
-    if (report != NULL)
+    if (report != NULL && result == LS_OK)
     {
         *report = bake.report;
+    }
+    else
+    {
+        ls_bake_report_destroy(&bake.report);
     }
     for (uint32_t i = 0; i < bake.input.mesh_count; i++)
     {

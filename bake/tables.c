@@ -61,7 +61,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
     }
     if (sum > UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+        return ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
                             "the shaft tables of an object need %llu MiB, more than the format "
                             "holds; use fewer --patches",
                             (unsigned long long)(sum >> 18));
@@ -70,7 +70,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
     tables->words = calloc(sum + 1, sizeof(uint32_t));
     return tables->words != NULL
                ? LS_OK
-               : ls_error_set(error, LS_ERROR_MEMORY,
+               : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                               "out of memory for %llu MiB of shaft tables; use fewer --patches",
                               (unsigned long long)(sum >> 18));
 }
@@ -120,7 +120,7 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
     tables->filled_count = filled;
     if (result == LS_OK && !ok)
     {
-        result = ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the shaft test");
+        result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the shaft test");
     }
     if (result != LS_OK)
     {

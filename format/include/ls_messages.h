@@ -33,7 +33,20 @@
 #define LS_MESSAGES_GLTF(X)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
-#define LS_MESSAGES_SCENE(X)
+#define LS_MESSAGES_SCENE(X)     \
+    X(MESH_NOT_FINITE, 3290)     \
+    X(SCENE_NO_TRIANGLES, 3390)  \
+    X(SCENE_ALL_FLAT, 3391)      \
+    X(MESH_FAR, 3490)            \
+    X(MESH_EXTENT, 3491)         \
+    X(SCENE_RANGE, 3492)         \
+    X(TRANSFORM_SINGULAR, 3690)  \
+    X(TRANSFORM_CONDITION, 3691) \
+    X(TRANSFORM_RANGE, 3692)     \
+    X(LIMIT_RECORDS, 3792)       \
+    X(MESH_NORMAL, 3895)         \
+    X(MESH_TEXCOORD, 3896)       \
+    X(MESH_NO_TEXCOORD, 3897)
 
 #define LS_MESSAGES_INPUT(X) \
     X(INPUT_ENDING, 3590)    \
