@@ -80,8 +80,12 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
 {
     *tables = (LsTables){0};
     LsResult result = place_tables(tables, voxels, patches, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
     uint64_t filled = 0;
-    bool ok = result == LS_OK;
+    bool ok = true;
     uint32_t shafts = LS_SHAFT_COUNT(patches);
 #pragma omp parallel num_threads(threads) reduction(+ : filled) reduction(&& : ok)
     {
@@ -118,15 +122,12 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
         ls_shaft_scratch_destroy(scratch);
     }
     tables->filled_count = filled;
-    if (result == LS_OK && !ok)
-    {
-        result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the shaft test");
-    }
-    if (result != LS_OK)
+    if (!ok)
     {
         ls_tables_destroy(tables);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the shaft test");
     }
-    return result;
+    return LS_OK;
 }
 
 void ls_tables_destroy(LsTables* tables)

@@ -36,6 +36,9 @@ target_include_directories(ls_test_topology PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(ls_test_topology PRIVATE ls_options)
 ls_add_test(NAME test_mesh SOURCES test_mesh.c LIBRARIES ls_bake)
 target_include_directories(test_mesh PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+ls_add_test(NAME test_report SOURCES test_report.c ${PROJECT_SOURCE_DIR}/bake/cmd/report.c
+    LIBRARIES ls_bake PkgConfig::CJSON)
+target_include_directories(test_report PRIVATE ${PROJECT_SOURCE_DIR}/bake/cmd)
 ls_add_test(NAME test_topology SOURCES test_topology.c LIBRARIES ls_bake ls_test_topology)
 target_include_directories(test_topology PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 
