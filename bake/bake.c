@@ -163,6 +163,16 @@ static void free_geometry(LsInputMesh* source)
     }
 }
 
+// Those of the mesh stage; imports pass on their own.
+static void pass_warnings(const Bake* bake, uint32_t first)
+{
+    for (uint32_t i = first; bake->desc->warn != NULL && i < bake->input.warning_count; i++)
+    {
+        const LsInputWarning* warning = &bake->input.warnings[i];
+        bake->desc->warn(bake->desc->warn_user, warning->message, warning->text);
+    }
+}
+
 static LsResult make_meshes(Bake* bake, LsError* error)
 {
     uint32_t count = bake->input.mesh_count;
@@ -179,12 +189,14 @@ static LsResult make_meshes(Bake* bake, LsError* error)
         const char* path = bake->input.paths[source->input_index];
         LsMeshFindings findings;
         LsMesh* mesh = &bake->meshes[i];
+        uint32_t first_warning = bake->input.warning_count;
         LsResult result =
             ls_mesh_create(mesh, &bake->input, i, bake->desc, bake->threads, &findings, error);
         if (result != LS_OK)
         {
             return result;
         }
+        pass_warnings(bake, first_warning);
         if (!ls_mesh_report_add(&bake->report, i, path, source->name, &findings))
         {
             return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "%s: out of memory for the report",

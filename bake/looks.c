@@ -8,9 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-// The angle that smoothing bridges if none is given.
-#define DEFAULT_SMOOTH_ANGLE 40.0
-
 static LsResult report_memory(const LsInput* input, const LsInputMesh* mesh, LsError* error)
 {
     return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
@@ -125,8 +122,7 @@ static LsResult make_normals(LsLooks* looks, LsInput* input, const LsInputMesh* 
                                      .flat = source->flat,
                                      .face_count = mesh->triangle_count,
                                      .vertex_count = source->vertex_count};
-        double degrees = desc->smooth_angle > 0.0 ? desc->smooth_angle : DEFAULT_SMOOTH_ANGLE;
-        if (!ls_normals_smooth(&faces, degrees, source->threads, looks->normals))
+        if (!ls_normals_smooth(&faces, desc->smooth_angle, source->threads, looks->normals))
         {
             return report_memory(input, mesh, error);
         }

@@ -33,7 +33,8 @@ static int make_folder(void** state)
 static int remove_folder(void** state)
 {
     (void)state;
-    static const char* const names[] = {"scene.off", "other.off", "out.lspace", "printed"};
+    static const char* const names[] = {"scene.off", "scene.gltf", "other.off", "out.lspace",
+                                        "printed"};
     char path[128];
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
     {
@@ -206,19 +207,17 @@ static void text_has_a_line_a_kind(void** state)
     ls_bake_report_destroy(&report);
 }
 
-static void expect_error(const char* text, uint32_t grid, uint32_t patches, LsMessage message)
+static void expect_error(const char* name, const char* text, LsMessage message)
 {
     char source[128], target[128];
-    write_text("scene.off", text);
-    const LsBakeInput input = {.path = path_in(source, "scene.off")};
+    write_text(name, text);
+    const LsBakeInput input = {.path = path_in(source, name)};
     LsError error = {0};
     LsBakeReport report = {0};
     path_in(target, "out.lspace");
     unlink(target);
     LsResult result = ls_bake_run(
-        &(LsBakeDesc){
-            .inputs = &input, .input_count = 1, .output = target, .grid = grid, .patches = patches},
-        &report, &error);
+        &(LsBakeDesc){.inputs = &input, .input_count = 1, .output = target}, &report, &error);
     assert_int_equal(result, message / 100);
     assert_int_equal(error.message, message);
     assert_null(report.faulty);
@@ -228,8 +227,21 @@ static void expect_error(const char* text, uint32_t grid, uint32_t patches, LsMe
 static void scenes_that_cannot_be_baked(void** state)
 {
     (void)state;
-    expect_error("OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", 0, 0, LS_MESSAGE_SCENE_NO_TRIANGLES);
-    expect_error("OFF\n3 1 0\n0 0 0\n1 1 1\n2 2 2\n3 0 1 2\n", 0, 0, LS_MESSAGE_SCENE_ALL_FLAT);
+    expect_error("scene.off", "OFF\n3 0 0\n0 0 0\n1 0 0\n0 1 0\n", LS_MESSAGE_SCENE_NO_TRIANGLES);
+    expect_error("scene.off", "OFF\n3 1 0\n0 0 0\n1 1 1\n2 2 2\n3 0 1 2\n",
+                 LS_MESSAGE_SCENE_ALL_FLAT);
+    // A field of view that float takes for none, and that no reader of the file would take.
+    expect_error("scene.gltf",
+                 "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+                 "\"nodes\":[{\"mesh\":0},{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\","
+                 "\"perspective\":{\"yfov\":1e-60,\"znear\":0.1}}],"
+                 "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+                 "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+                 "\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+                 "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                 "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
+                 "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}",
+                 LS_MESSAGE_SCENE_RANGE);
 }
 
 // Shaft tables of the finest kind over very many voxels: counted before anything is allocated.

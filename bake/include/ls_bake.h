@@ -145,7 +145,8 @@ extern "C"
 // Examples kept of each kind of fault of an object.
 #define LS_MESH_EXAMPLES 8
 
-    // A place where a fault is. Numbers are the input's, from 0, within its object.
+    // A place where a fault is. Numbers are the input's, from 0, within its object; faces are triangles, a
+    // polygon's one after the other.
     typedef struct LsMeshExample
     {
         LsMeshFault fault;
