@@ -374,6 +374,10 @@ static LsResult run_stages(Bake* bake, LsError* error)
 
 LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error)
 {
+    if (report != NULL)
+    {
+        *report = (LsBakeReport){0};
+    }
     LsResult result = check_desc(desc, error);
     if (result != LS_OK)
     {
