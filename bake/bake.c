@@ -5,7 +5,9 @@
 #include "ls_write.h"
 #include "memory_limit.h"
 #include "mesh.h"
+#include "mesh_report.h"
 #include "pack.h"
+#include "source_hash.h"
 #include "tables.h"
 #include "voxels.h"
 #include "world.h"
@@ -17,13 +19,7 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#define XXH_INLINE_ALL
-#include <xxhash.h>
-
 #define DEFAULT_PATCHES 3
-
-// Part of what decides whether a file is current. Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 1
 
 const char* ls_bake_stage_text(LsBakeStage stage)
 {
@@ -137,44 +133,6 @@ static LsResult import_all(Bake* bake, LsError* error)
     return ls_compose(&bake->input, bake->desc, note_import, bake, error);
 }
 
-// What decides the bytes: the imported scene, the options, and the version of the format.
-static void hash_source(Bake* bake)
-{
-    const LsInput* input = &bake->input;
-    XXH3_state_t state;
-    XXH3_128bits_reset(&state);
-    const uint32_t options[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR,  LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR, bake->desc->grid, bake->patches};
-    XXH3_128bits_update(&state, options, sizeof options);
-    for (uint32_t i = 0; i < input->mesh_count; i++)
-    {
-        const LsInputMesh* mesh = &input->meshes[i];
-        const uint32_t counts[] = {mesh->vertex_count, mesh->triangle_count};
-        XXH3_128bits_update(&state, counts, sizeof counts);
-        XXH3_128bits_update(&state, mesh->positions, sizeof(float) * 3 * mesh->vertex_count);
-        XXH3_128bits_update(&state, mesh->indices, sizeof(uint32_t) * 3 * mesh->triangle_count);
-        XXH3_128bits_update(&state, mesh->materials, sizeof(uint32_t) * mesh->triangle_count);
-    }
-    for (uint32_t i = 0; i < input->instance_count; i++)
-    {
-        const LsInputInstance* instance = &input->instances[i];
-        const uint32_t links[] = {instance->mesh, instance->node};
-        XXH3_128bits_update(&state, links, sizeof links);
-        XXH3_128bits_update(&state, instance->world_from_object,
-                            sizeof instance->world_from_object);
-    }
-    XXH3_128bits_update(&state, input->nodes, sizeof(LsSceneNode) * input->node_count);
-    for (uint32_t i = 0; i < input->material_count; i++)
-    {
-        XXH3_128bits_update(&state, &input->materials[i].core, sizeof(LsMaterial));
-        XXH3_128bits_update(&state, &input->materials[i].surface, sizeof(LsSurface));
-    }
-    XXH3_128bits_update(&state, input->cameras, sizeof(LsCamera) * input->camera_count);
-    XXH128_canonical_t canonical;
-    XXH128_canonicalFromHash(&canonical, XXH3_128bits_digest(&state));
-    memcpy(bake->source_hash, canonical.digest, sizeof bake->source_hash);
-}
-
 // Whether the output is a sound file of just this input.
 static bool is_up_to_date(Bake* bake)
 {
@@ -192,6 +150,33 @@ static bool is_up_to_date(Bake* bake)
     return current;
 }
 
+// The mesh has its own copy; large scenes need the room.
+static void free_geometry(LsInputMesh* source)
+{
+    free(source->positions);
+    free(source->indices);
+    free(source->materials);
+    source->positions = NULL;
+    source->indices = NULL;
+    source->materials = NULL;
+    for (int kind = 0; kind < LS_STREAM_COUNT; kind++)
+    {
+        free(source->streams[kind].values);
+        free(source->streams[kind].indices);
+        source->streams[kind] = (LsInputStream){0};
+    }
+}
+
+// Those of the mesh stage; imports pass on their own.
+static void pass_warnings(const Bake* bake, uint32_t first)
+{
+    for (uint32_t i = first; bake->desc->warn != NULL && i < bake->input.warning_count; i++)
+    {
+        const LsInputWarning* warning = &bake->input.warnings[i];
+        bake->desc->warn(bake->desc->warn_user, warning->message, warning->text);
+    }
+}
+
 static LsResult make_meshes(Bake* bake, LsError* error)
 {
     uint32_t count = bake->input.mesh_count;
@@ -200,31 +185,37 @@ static LsResult make_meshes(Bake* bake, LsError* error)
     bake->objects = calloc(count, sizeof(LsBakedObject));
     if (bake->meshes == NULL || bake->objects == NULL)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u objects", count);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for %u objects", count);
     }
     for (uint32_t i = 0; i < count; i++)
     {
         LsInputMesh* source = &bake->input.meshes[i];
+        const char* path = bake->input.paths[source->input_index];
+        LsMeshFindings findings;
+        LsMesh* mesh = &bake->meshes[i];
+        uint32_t first_warning = bake->input.warning_count;
         LsResult result =
-            ls_mesh_create(&bake->meshes[i], source, bake->input.paths[source->input_index], error);
+            ls_mesh_create(mesh, &bake->input, i, bake->desc, bake->threads, &findings, error);
         if (result != LS_OK)
         {
             return result;
         }
-        bake->report.face_count += bake->meshes[i].face_count;
-        bake->report.degenerate_count += bake->meshes[i].degenerate_count;
-        triangles += bake->meshes[i].triangle_count;
-        // The mesh has its own copy; large scenes need the room.
-        free(source->positions);
-        free(source->indices);
-        free(source->materials);
-        source->positions = NULL;
-        source->indices = NULL;
-        source->materials = NULL;
+        pass_warnings(bake, first_warning);
+        if (!ls_mesh_report_add(&bake->report, i, path, source->name, &findings))
+        {
+            return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "%s: out of memory for the report",
+                                path);
+        }
+        bake->report.face_count += mesh->face_count;
+        bake->report.degenerate_count += mesh->degenerate_count;
+        bake->report.dropped_count += mesh->face_count - mesh->triangle_count;
+        triangles += mesh->triangle_count;
+        free_geometry(source);
+        note_progress(bake, LS_BAKE_STAGE_MESH, (double)(i + 1) / count);
     }
     bake->report.triangle_count = triangles;
     return triangles > 0 ? LS_OK
-                         : ls_error_set(error, LS_ERROR_INPUT_NO_TRIANGLES,
+                         : ls_error_set(error, LS_MESSAGE_SCENE_ALL_FLAT,
                                         "%s: all %llu triangles are degenerate; nothing to bake",
                                         bake->desc->inputs[0].path,
                                         (unsigned long long)bake->report.face_count);
@@ -369,7 +360,7 @@ static LsResult run_stages(Bake* bake, LsError* error)
     {
         return result;
     }
-    hash_source(bake);
+    ls_source_hash(&bake->input, bake->desc, bake->patches, bake->source_hash);
     if (!bake->desc->force && is_up_to_date(bake))
     {
         bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
@@ -402,6 +393,10 @@ static LsResult run_stages(Bake* bake, LsError* error)
 
 LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error)
 {
+    if (report != NULL)
+    {
+        *report = (LsBakeReport){0};
+    }
     LsResult result = check_desc(desc, error);
     if (result != LS_OK)
     {
@@ -412,9 +407,13 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run_stages(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();
-    if (report != NULL)
+    if (report != NULL && result == LS_OK)
     {
         *report = bake.report;
+    }
+    else
+    {
+        ls_bake_report_destroy(&bake.report);
     }
     for (uint32_t i = 0; i < bake.input.mesh_count; i++)
     {

@@ -32,7 +32,7 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
     {
         if (counts[i] > UINT32_MAX)
         {
-            return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+            return ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
                                 "the scene needs more records than the format counts; use a "
                                 "coarser --grid or fewer --patches");
         }
@@ -59,7 +59,8 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
               pack->subgrids && pack->voxels && pack->references && pack->leaf_nodes &&
               pack->shafts && pack->materials;
     return ok ? LS_OK
-              : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the arrays of the file");
+              : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                             "out of memory for the arrays of the file");
 }
 
 static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t patches)
@@ -153,11 +154,19 @@ static void append_object(LsPack* pack, LsObject* next, LsObject object, const L
     pack->objects[pack->desc.OBJECTS_count++] = object;
 }
 
-LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked,
+LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,
                         const LsWorld* world, uint32_t patches, LsError* error)
 {
     *pack = (LsPack){0};
+    LsFileDesc* desc = &pack->desc;
     LsResult result = count_records(pack, input, meshes, baked, error);
+    for (uint32_t i = 0; i < input->material_count && result == LS_OK; i++)
+    {
+        pack->materials[i] = input->materials[i].core;
+    }
+    result = result == LS_OK
+                 ? ls_pack_looks_create(&pack->looks, desc, pack->materials, input, meshes, error)
+                 : result;
     if (result != LS_OK)
     {
         ls_pack_destroy(pack);
@@ -172,7 +181,6 @@ LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBa
         ls_voxels_destroy(&baked[i].voxels);
         ls_tables_destroy(&baked[i].tables);
     }
-    LsFileDesc* desc = &pack->desc;
     desc->objects = pack->objects;
     desc->triangles = pack->triangles;
     desc->blocks = pack->blocks;
@@ -190,14 +198,18 @@ LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBa
     desc->LIGHTS_count = world->light_count;
     desc->nodes = input->nodes;
     desc->NODES_count = input->node_count;
-    for (uint32_t i = 0; i < input->material_count; i++)
-    {
-        pack->materials[i] = input->materials[i].core;
-    }
     desc->materials = pack->materials;
     desc->MATERIALS_count = input->material_count;
     desc->cameras = input->cameras;
     desc->CAMERAS_count = input->camera_count;
+    desc->lamps = input->lamps;
+    desc->LAMPS_count = input->lamp_count;
+    desc->animations = input->animations;
+    desc->ANIMATIONS_count = input->animation_count;
+    desc->channels = input->channels;
+    desc->CHANNELS_count = input->channel_count;
+    desc->keys = input->keys;
+    desc->KEYS_count = input->key_count;
     memcpy(desc->lower, world->lower, sizeof desc->lower);
     memcpy(desc->upper, world->upper, sizeof desc->upper);
     desc->transform_bound = world->transform_bound;
@@ -216,5 +228,6 @@ void ls_pack_destroy(LsPack* pack)
     free(pack->leaf_nodes);
     free(pack->shafts);
     free(pack->materials);
+    ls_pack_looks_destroy(&pack->looks);
     *pack = (LsPack){0};
 }

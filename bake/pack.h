@@ -4,6 +4,7 @@
 #define LS_PACK_H
 
 #include "ls_write.h"
+#include "pack_looks.h"
 #include "tables.h"
 #include "world.h"
 
@@ -29,11 +30,12 @@ typedef struct LsPack
     LsBvhNode* leaf_nodes;
     uint32_t* shafts;
     LsMaterial* materials;
+    LsPackLooks looks;
 } LsPack;
 
-// meshes, baked: input->mesh_count each. Each object's working arrays are freed as soon as they are
-// packed. Errors: MEMORY, INPUT_LIMIT (sums beyond what the format counts).
-LsResult ls_pack_create(LsPack* pack, const LsInput* input, LsMesh* meshes, LsBakedObject* baked,
+// meshes, baked: input->mesh_count each. Each object's working arrays, and the input's images, are freed as
+// soon as they are packed. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (sums beyond what the format counts).
+LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,
                         const LsWorld* world, uint32_t patches, LsError* error);
 void ls_pack_destroy(LsPack* pack);
 

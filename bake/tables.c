@@ -61,7 +61,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
     }
     if (sum > UINT32_MAX)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+        return ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
                             "the shaft tables of an object need %llu MiB, more than the format "
                             "holds; use fewer --patches",
                             (unsigned long long)(sum >> 18));
@@ -70,7 +70,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
     tables->words = calloc(sum + 1, sizeof(uint32_t));
     return tables->words != NULL
                ? LS_OK
-               : ls_error_set(error, LS_ERROR_MEMORY,
+               : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                               "out of memory for %llu MiB of shaft tables; use fewer --patches",
                               (unsigned long long)(sum >> 18));
 }
@@ -80,8 +80,12 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
 {
     *tables = (LsTables){0};
     LsResult result = place_tables(tables, voxels, patches, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
     uint64_t filled = 0;
-    bool ok = result == LS_OK;
+    bool ok = true;
     uint32_t shafts = LS_SHAFT_COUNT(patches);
 #pragma omp parallel num_threads(threads) reduction(+ : filled) reduction(&& : ok)
     {
@@ -118,15 +122,12 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
         ls_shaft_scratch_destroy(scratch);
     }
     tables->filled_count = filled;
-    if (result == LS_OK && !ok)
-    {
-        result = ls_error_set(error, LS_ERROR_MEMORY, "out of memory for the shaft test");
-    }
-    if (result != LS_OK)
+    if (!ok)
     {
         ls_tables_destroy(tables);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the shaft test");
     }
-    return result;
+    return LS_OK;
 }
 
 void ls_tables_destroy(LsTables* tables)

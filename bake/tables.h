@@ -25,7 +25,7 @@ typedef struct LsTablesProgress
 } LsTablesProgress;
 
 // Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend
-// on `threads`. `progress` may be NULL. Errors: MEMORY, INPUT_LIMIT.
+// on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
                           uint32_t threads, const LsTablesProgress* progress, LsError* error);
 void ls_tables_destroy(LsTables* tables);

@@ -182,13 +182,13 @@ static void sort_words(uint32_t* words, uint32_t count)
 
 static LsResult report_memory(LsError* error)
 {
-    return ls_error_set(error, LS_ERROR_MEMORY,
+    return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                         "out of memory for the voxels; use a coarser --grid");
 }
 
 static LsResult report_limit(LsError* error, const char* what)
 {
-    return ls_error_set(error, LS_ERROR_INPUT_LIMIT,
+    return ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
                         "an object has more %s than the format counts; use a coarser --grid", what);
 }
 

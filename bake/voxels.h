@@ -27,7 +27,7 @@ typedef struct LsVoxels
 } LsVoxels;
 
 // Voxelizes and puts the mesh's triangles into the order in which voxels first name them. The
-// result does not depend on `threads`. Errors: MEMORY, INPUT_LIMIT (more voxels or references than
+// result does not depend on `threads`. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than
 // the format counts).
 LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
                           uint32_t threads, LsError* error);

@@ -126,7 +126,7 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
     double d = determinant(&placed);
     if (!isfinite(d) || d == 0.0)
     {
-        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
+        return ls_error_set(error, LS_MESSAGE_TRANSFORM_SINGULAR,
                             "%s: instance %u has a transform that cannot be inverted; give its "
                             "node a scale other than 0",
                             name, index);
@@ -135,14 +135,14 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
     double condition = norm(&placed) * norm(&inverse);
     if (!(condition <= MAX_CONDITION))
     {
-        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
+        return ls_error_set(error, LS_MESSAGE_TRANSFORM_CONDITION,
                             "%s: instance %u has a transform of condition number %.3g, above 1e6; "
                             "scale its axes more alike",
                             name, index, condition);
     }
     if (!is_storable(&placed) || !is_storable(&inverse))
     {
-        return ls_error_set(error, LS_ERROR_INPUT_TRANSFORM,
+        return ls_error_set(error, LS_MESSAGE_TRANSFORM_RANGE,
                             "%s: instance %u has a transform with numbers beyond 1e18, or its "
                             "inverse has; scale the scene",
                             name, index);
@@ -217,7 +217,7 @@ static LsResult make_top_level(LsWorld* world, const LsMesh* meshes, uint32_t ob
     {
         free(boxes);
         free(order);
-        return ls_error_set(error, LS_ERROR_MEMORY,
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                             "out of memory for the top level over %u instances", count);
     }
     for (int axis = 0; axis < 3; axis++)
@@ -331,8 +331,8 @@ static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* 
     world->lights = malloc(sizeof(LsLight) * world->light_count);
     if (world->lights == NULL)
     {
-        return ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u emissive triangles",
-                            world->light_count);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                            "out of memory for %u emissive triangles", world->light_count);
     }
     world->light_count = 0;
     visit_lights(world, input, meshes, store_light, sum);
@@ -346,8 +346,8 @@ LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* mes
     world->instances = malloc(sizeof(LsInstance) * (input->instance_count + 1ull));
     LsResult result = world->instances != NULL
                           ? LS_OK
-                          : ls_error_set(error, LS_ERROR_MEMORY, "out of memory for %u instances",
-                                         input->instance_count);
+                          : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                                         "out of memory for %u instances", input->instance_count);
     for (uint32_t i = 0; i < input->instance_count && result == LS_OK; i++)
     {
         result = place_instance(world, input, i, error);

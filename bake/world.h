@@ -22,8 +22,8 @@ typedef struct LsWorld
 } LsWorld;
 
 // meshes: one per input mesh, same numbers. Triangles must
-// have their final order, since lights name them. Errors: INPUT_TRANSFORM (not invertible, a condition
-// number above 1e6, numbers beyond 1e18), MEMORY.
+// have their final order, since lights name them. Errors: TRANSFORM_SINGULAR,
+// TRANSFORM_CONDITION (above 1e6), TRANSFORM_RANGE (numbers beyond 1e18), OUT_OF_MEMORY.
 LsResult ls_world_create(LsWorld* world, const LsInput* input, const LsMesh* meshes,
                          LsError* error);
 void ls_world_destroy(LsWorld* world);

@@ -35,3 +35,26 @@ endforeach()
 # Inputs for test.sh, which bakes them with two compilers' builds.
 add_executable(write_scenes write_scenes.c)
 target_link_libraries(write_scenes PRIVATE ls_test_scenes ls_options PkgConfig::CMOCKA)
+
+# The mesh stage, whose parts are private to the baker, and a second opinion that shares no code with it.
+add_library(ls_test_topology STATIC reference/ref_topology.c)
+target_include_directories(ls_test_topology PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
+target_link_libraries(ls_test_topology PRIVATE ls_options)
+ls_add_test(NAME test_mesh SOURCES test_mesh.c LIBRARIES ls_bake)
+target_include_directories(test_mesh PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+ls_add_test(NAME test_report SOURCES test_report.c ${PROJECT_SOURCE_DIR}/bake/cmd/bake_warnings.c
+        ${PROJECT_SOURCE_DIR}/bake/cmd/report.c
+    LIBRARIES ls_bake PkgConfig::CJSON)
+target_include_directories(test_report PRIVATE ${PROJECT_SOURCE_DIR}/bake/cmd)
+ls_add_test(NAME test_topology SOURCES test_topology.c LIBRARIES ls_bake ls_test_topology)
+target_include_directories(test_topology PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
+# CGAL's meshes, unpacked from Debian's package into the build folder.
+ls_add_test(NAME test_cgal SOURCES test_cgal.c LIBRARIES ls_bake ls_test_topology
+    ARGS ${PROJECT_BINARY_DIR}/cgal/data/meshes)
+target_include_directories(test_cgal PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+set(LS_CGAL_DATA /usr/share/doc/libcgal-demo/data.tar.gz CACHE FILEPATH "Debian's libcgal-demo: meshes for test_cgal")
+add_test(NAME unpack_cgal COMMAND ${CMAKE_COMMAND} -DARCHIVE=${LS_CGAL_DATA} -DFOLDER=${PROJECT_BINARY_DIR}/cgal
+    -P ${CMAKE_CURRENT_SOURCE_DIR}/unpack.cmake)
+set_tests_properties(unpack_cgal PROPERTIES FIXTURES_SETUP cgal)
+set_tests_properties(test_cgal PROPERTIES FIXTURES_REQUIRED cgal)

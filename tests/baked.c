@@ -50,7 +50,8 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
                                       .grid = grid,
                                       .patches = patches,
                                       .threads = threads,
-                                      .force = true},
+                                      .force = true,
+                                      .keep_degenerate = mesh->keep_degenerate},
                         &baked->report, &error),
             &error);
     remove(source);
@@ -70,6 +71,7 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
 
 void ls_baked_close(LsBaked* baked)
 {
+    ls_bake_report_destroy(&baked->report);
     ls_mapping_close(&baked->mapping);
     remove(baked->path);
     memset(baked, 0, sizeof *baked);

@@ -372,6 +372,43 @@ static LsTestMesh make_stadium(void)
     return join_meshes(&bowl, &teapot);
 }
 
+// Of four faces three have no area: a point, a segment whose ends are two corners and one, and three corners
+// on a line, exactly so by their few bits, in every order; many a one crosses cells.
+static LsTestMesh make_stray(void)
+{
+    const uint32_t count = 1600;
+    LsRandom random = {9};
+    LsTestMesh mesh = make_empty(3 * count, count);
+    mesh.keep_degenerate = true;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        double p[3][3];
+        for (uint32_t axis = 0; axis < 3; axis++)
+        {
+            p[0][axis] = ls_random_below(&random, 1024);
+            double step = (double)ls_random_below(&random, 101) - 50.0;
+            // A third of the lines run along an axis.
+            step = i % 3 == 0 && axis != i / 3 % 3 ? 0.0 : step;
+            p[1][axis] = p[0][axis] + 2.0 * step;
+            p[2][axis] = p[0][axis] + 3.0 * step;
+        }
+        for (uint32_t axis = 0; axis < 3; axis++)
+        {
+            p[1][axis] = i % 4 == 1 ? p[0][axis] : p[1][axis];
+            p[2][axis] = i % 4 == 1 || i % 4 == 2 ? p[0][axis] : p[2][axis];
+            p[2][axis] += i % 4 == 0 ? (double)ls_random_below(&random, 101) - 50.0 : 0.0;
+        }
+        for (uint32_t corner = 0; corner < 3; corner++)
+        {
+            set_vertex(&mesh, 3 * i + corner, p[corner][0] / 1024.0, p[corner][1] / 1024.0,
+                       p[corner][2] / 1024.0);
+        }
+        uint32_t turn = ls_random_below(&random, 3);
+        set_triangle(&mesh, i, 3 * i + turn, 3 * i + (turn + 1) % 3, 3 * i + (turn + 2) % 3);
+    }
+    return mesh;
+}
+
 LsTestMesh ls_test_mesh_make(LsTestMeshId id)
 {
     LsTestMesh mesh = {.positions = NULL};
@@ -411,6 +448,8 @@ LsTestMesh ls_test_mesh_make(LsTestMeshId id)
         mesh = tessellate_teapot(4);
         transform_mesh(&mesh, 1.0, 6e4, -3e4, 5e3);
         return mesh;
+    case LS_TEST_MESH_STRAY:
+        return make_stray();
     case LS_TEST_MESH_COUNT:
         break;
     }

@@ -23,7 +23,8 @@
     X(STADIUM, "stadium") /* a tiny teapot in a bowl 400 times as large: sub-grids */              \
     X(MICRO, "micro")     /* the teapot at a scale of 1e-6 */                                      \
     X(MEGA, "mega")       /* the teapot at a scale of 1e6 */                                       \
-    X(FAR, "far")         /* the teapot ten thousand sizes away from the origin */
+    X(FAR, "far")         /* the teapot ten thousand sizes away from the origin */                 \
+    X(STRAY, "stray")     /* triangles among kept points and segments */
 
 typedef enum LsTestMeshId
 {
@@ -40,6 +41,7 @@ typedef struct LsTestMesh
     uint32_t vertex_count;
     uint32_t* indices; // three per triangle
     uint32_t triangle_count;
+    bool keep_degenerate; // bake it so
 } LsTestMesh;
 
 const char* ls_test_mesh_name(LsTestMeshId id);

@@ -98,6 +98,7 @@ static const LsExactCase CASES[] = {
     {LS_TEST_MESH_MICRO, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
     {LS_TEST_MESH_MEGA, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
     {LS_TEST_MESH_FAR, false, {{LS_TEST_ALONE, 0, 0, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
+    {LS_TEST_MESH_STRAY, false, {{LS_TEST_ALONE, 12, 3, 100}, {LS_TEST_INSTANCES, 0, 0, 100}}},
 };
 #define CASE_COUNT (sizeof CASES / sizeof CASES[0])
 

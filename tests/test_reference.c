@@ -89,7 +89,7 @@ static void build_pair(LsMemoryScene* scene)
 {
     float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
     uint32_t indices[] = {0, 1, 2, 0, 1, 2};
-    LsTestMesh mesh = {positions, 3, indices, 2};
+    LsTestMesh mesh = {positions, 3, indices, 2, false};
     build_scene(scene, &mesh);
 }
 
@@ -236,7 +236,7 @@ static void judge_tells_defects(void** state)
     LsMemoryScene scene;
     float positions[] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, -1, 1, 0, -1, 0, 1, -1};
     uint32_t indices[] = {0, 1, 2, 3, 4, 5};
-    LsTestMesh mesh = {positions, 6, indices, 2};
+    LsTestMesh mesh = {positions, 6, indices, 2, false};
     build_scene(&scene, &mesh);
     LsReference* reference = ls_reference_create(&scene.file);
     LsRay ray = DOWN;

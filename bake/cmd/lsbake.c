@@ -5,8 +5,8 @@
 #include "ls_messages.h"
 #include "ls_write.h"
 #include "memory_net.h"
+#include "report.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,120 +77,6 @@ static void draw_progress(void* user, const char* stage, double fraction)
     fflush(stderr);
 }
 
-static double total_seconds(const LsBakeReport* report)
-{
-    double sum = 0.0;
-    for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
-    {
-        sum += report->stage_seconds[i];
-    }
-    return sum;
-}
-
-static void print_text(const LsBakeReport* report, const char* output)
-{
-    if (report->up_to_date)
-    {
-        printf("%s is up to date (%.1f MB)\n", output, (double)report->file_bytes * 1e-6);
-        return;
-    }
-    printf("%s: %.1f MB, baked in %.2f s\n", output, (double)report->file_bytes * 1e-6,
-           total_seconds(report));
-    printf("  objects %u (%llu as lists), instances %u, lights %u, cameras %u\n",
-           report->object_count, (unsigned long long)report->list_object_count,
-           report->instance_count, report->light_count, report->camera_count);
-    printf("  triangles %llu of %llu", (unsigned long long)report->triangle_count,
-           (unsigned long long)report->face_count);
-    if (report->degenerate_count > 0)
-    {
-        printf(" (%llu dropped: they have no area)", (unsigned long long)report->degenerate_count);
-    }
-    printf("\n  voxels %llu in %llu cells: %llu lists, %llu with masks, %llu divided (depth %u), "
-           "%llu BVHs\n",
-           (unsigned long long)report->voxel_count, (unsigned long long)report->cell_count,
-           (unsigned long long)report->voxel_kind_count[LS_VOXEL_LIST],
-           (unsigned long long)report->voxel_kind_count[LS_VOXEL_MASKS],
-           (unsigned long long)report->voxel_kind_count[LS_VOXEL_SUBGRID], report->depth,
-           (unsigned long long)report->voxel_kind_count[LS_VOXEL_BVH]);
-    if (report->shaft_count > 0)
-    {
-        printf("  shafts %llu, %.1f %% filled\n", (unsigned long long)report->shaft_count,
-               100.0 * (double)report->filled_shaft_count / (double)report->shaft_count);
-    }
-    printf("  largest condition number of a transform %.3g, peak memory %.0f MB\n ",
-           report->max_condition, (double)report->peak_memory_bytes * 1e-6);
-    for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
-    {
-        printf(" %s %.2f s%s", ls_bake_stage_text((LsBakeStage)i), report->stage_seconds[i],
-               i + 1 < LS_BAKE_STAGE_COUNT ? "," : "\n");
-    }
-}
-
-static void print_json(const LsBakeReport* report, const char* output, const BakeWarnings* warnings)
-{
-    cJSON* root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "output", output);
-    cJSON_AddBoolToObject(root, "up_to_date", report->up_to_date);
-    cJSON_AddNumberToObject(root, "file_bytes", (double)report->file_bytes);
-    ls_bake_warnings_json(warnings, root);
-    if (!report->up_to_date)
-    {
-        const struct
-        {
-            const char* name;
-            double value;
-        } numbers[] = {
-            {"seconds", total_seconds(report)},
-            {"peak_memory_bytes", (double)report->peak_memory_bytes},
-            {"objects", report->object_count},
-            {"list_objects", (double)report->list_object_count},
-            {"instances", report->instance_count},
-            {"materials", report->material_count},
-            {"lights", report->light_count},
-            {"cameras", report->camera_count},
-            {"faces", (double)report->face_count},
-            {"degenerate_faces", (double)report->degenerate_count},
-            {"triangles", (double)report->triangle_count},
-            {"cells", (double)report->cell_count},
-            {"cell_blocks", (double)report->cell_block_count},
-            {"voxels", (double)report->voxel_count},
-            {"voxels_list", (double)report->voxel_kind_count[LS_VOXEL_LIST]},
-            {"voxels_masks", (double)report->voxel_kind_count[LS_VOXEL_MASKS]},
-            {"voxels_subgrid", (double)report->voxel_kind_count[LS_VOXEL_SUBGRID]},
-            {"voxels_bvh", (double)report->voxel_kind_count[LS_VOXEL_BVH]},
-            {"subgrids", (double)report->subgrid_count},
-            {"depth", report->depth},
-            {"references", (double)report->reference_count},
-            {"shafts", (double)report->shaft_count},
-            {"filled_shafts", (double)report->filled_shaft_count},
-            {"max_condition", report->max_condition},
-        };
-        for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
-        {
-            cJSON_AddNumberToObject(root, numbers[i].name, numbers[i].value);
-        }
-        cJSON* stages = cJSON_AddObjectToObject(root, "stage_seconds");
-        for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
-        {
-            cJSON_AddNumberToObject(stages, ls_bake_stage_text((LsBakeStage)i),
-                                    report->stage_seconds[i]);
-        }
-        cJSON* chunks = cJSON_AddObjectToObject(root, "chunk_bytes");
-        for (int i = 0; i < LS_CHUNK_COUNT; i++)
-        {
-            cJSON_AddNumberToObject(chunks, ls_chunk_info((LsChunk)i).name,
-                                    (double)report->chunk_bytes[i]);
-        }
-    }
-    char* text = cJSON_Print(root);
-    if (text != NULL)
-    {
-        puts(text);
-    }
-    free(text);
-    cJSON_Delete(root);
-}
-
 static int fail(const LsError* error, const LsBakeDesc* desc)
 {
     fprintf(stderr, "lsbake: error %u: %s", error->message, error->text);
@@ -222,17 +108,22 @@ static LsResult bake(const BakeArguments* arguments, LsError* error)
         {
             ls_memory_net_set(desc.max_memory, desc.threads);
         }
-        LsBakeReport report;
+        LsBakeReport report = {0};
         result = ls_bake_run(&desc, &report, error);
         ls_bake_warnings_end(&warnings);
         if (result == LS_OK && arguments->json)
         {
-            print_json(&report, desc.output, &warnings);
+            if (!ls_report_print_json(&report, desc.output, &warnings))
+            {
+                result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                                      "out of memory for the report; the bake itself is done");
+            }
         }
         else if (result == LS_OK && !arguments->quiet)
         {
-            print_text(&report, desc.output);
+            ls_report_print_text(&report, desc.output);
         }
+        ls_bake_report_destroy(&report);
     }
     ls_bake_warnings_destroy(&warnings);
     return result;

@@ -103,7 +103,8 @@ extern "C"
             LS_BAKE_STAGE_COUNT
     } LsBakeStage;
 
-    // What the mesh stage found, of one object or all. Vertices count as they are after welding.
+    // What the mesh stage found, of one object or all. Vertices are those after welding; an edge is a pair
+    // of them that is a side of a face. Faces without area have no edges here; duplicates have theirs.
     typedef struct LsMeshReport
     {
         uint64_t input_vertex_count;
@@ -111,12 +112,66 @@ extern "C"
         uint64_t face_count;       // triangles of the input, polygons fanned
         uint64_t degenerate_count; // no area, so no ray hits them
         uint64_t duplicate_count;  // the corners of an earlier face, in any order
-        uint64_t inverted_count; // to be turned round for all neighbours to agree; the lesser part
+        // Faces that must be turned round for all neighbours, across edges of two faces, to agree. Of
+        // the two ways to turn a part (faces connected across such edges) the one with fewer counts;
+        // if both are alike, that which leaves the part's first face as it is.
+        uint64_t inverted_count;
+        // Parts that no turning of faces brings to agree, such as a Moebius strip. None of their
+        // faces counts as inverted.
+        uint64_t unorientable_count;
         uint64_t edge_count;
         uint64_t boundary_edge_count;    // of one face
         uint64_t nonmanifold_edge_count; // of three faces or more
-        uint64_t hole_count;             // loops of boundary edges
+        // Closed loops of boundary edges. At its end an edge's loop goes on round the vertex, from
+        // face to face across edges of two faces, to the boundary edge at the other end of that fan.
+        // So every loop is one boundary of the surface, were it taken apart where fans touch in a
+        // vertex: two sheets that touch so have two, two gaps that do have one. A chain that comes
+        // to an edge of three faces or more is no loop.
+        uint64_t hole_count;
     } LsMeshReport;
+
+#define LS_MESH_FAULT_LIST(X)             \
+    X(DEGENERATE, "degenerate faces")     \
+    X(DUPLICATE, "duplicate faces")       \
+    X(INVERTED, "inverted faces")         \
+    X(UNORIENTABLE, "unorientable parts") \
+    X(HOLE, "holes")                      \
+    X(NONMANIFOLD, "non-manifold edges")
+
+    typedef enum LsMeshFault
+    {
+#define LS_MESH_FAULT_ENUMERATOR(name, text) LS_MESH_FAULT_##name,
+        LS_MESH_FAULT_LIST(LS_MESH_FAULT_ENUMERATOR)
+#undef LS_MESH_FAULT_ENUMERATOR
+            LS_MESH_FAULT_COUNT
+    } LsMeshFault;
+
+// Examples kept of each kind of fault of an object.
+#define LS_MESH_EXAMPLES 8
+
+    // A place where a fault is. Numbers are the input's, from 0, within its object; faces are triangles, a
+    // polygon's one after the other.
+    typedef struct LsMeshExample
+    {
+        LsMeshFault fault;
+        uint32_t face; // the first that has the fault, or the edge
+        // Of the face; of holes and non-manifold edges the two of an edge, then UINT32_MAX.
+        uint32_t vertices[3];
+        // Duplicates: the first face of these corners. Holes: edges of the loop. Non-manifold edges:
+        // faces that share it. Else 0.
+        uint32_t other;
+    } LsMeshExample;
+
+    // What was found in one object.
+    typedef struct LsObjectReport
+    {
+        uint32_t object;
+        char* input; // the file, owned
+        char* name;  // as the file has it, owned; NULL without
+        LsMeshReport mesh;
+        LsMeshExample* examples; // by fault, the first of each, owned
+        uint32_t example_count;
+    } LsObjectReport;
 
     // What a bake did. Counts are over all objects.
     typedef struct LsBakeReport
@@ -124,9 +179,12 @@ extern "C"
         bool up_to_date; // nothing was written; the fields below are zero but file_bytes
         uint32_t object_count, instance_count, material_count, light_count, camera_count;
         uint64_t face_count;       // triangles of the input, polygons fanned
-        uint64_t degenerate_count; // dropped: no area, so no ray hits them
-        uint64_t triangle_count;
+        uint64_t degenerate_count; // no area, so no ray hits them
+        uint64_t dropped_count;    // of those: left out of the file
+        uint64_t triangle_count;   // in the file
         LsMeshReport mesh;
+        LsObjectReport* faulty; // objects in which a fault was found, in order; owned
+        uint32_t faulty_count;
         uint64_t cell_count; // cells of all grids, empty ones too
         uint64_t cell_block_count, voxel_count, subgrid_count, reference_count;
         uint64_t voxel_kind_count[4]; // by LS_VOXEL_*
@@ -140,9 +198,14 @@ extern "C"
         double stage_seconds[LS_BAKE_STAGE_COUNT];
     } LsBakeReport;
 
-    // Bakes. `report` may be NULL. On failure nothing is left at desc->output but what was there
-    // before.
+    // Bakes. `report` may be NULL; else ls_bake_report_destroy frees what it owns, which is nothing after
+    // a failure. On failure nothing is left at desc->output but what was there before.
     LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error);
+    void ls_bake_report_destroy(LsBakeReport* report);
+
+    // Name of a kind of fault as reports print it, and how many of it a mesh has.
+    const char* ls_mesh_fault_text(LsMeshFault fault);
+    uint64_t ls_mesh_fault_count(const LsMeshReport* mesh, LsMeshFault fault);
 
     // Name of a stage as reports print it.
     const char* ls_bake_stage_text(LsBakeStage stage);

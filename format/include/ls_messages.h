@@ -100,16 +100,27 @@
     X(GLTF_WARN_CHANNEL, 3886)
 
 // The scene as a whole, whatever its files: mesh stage, placement, materials, limits.
-#define LS_MESSAGES_SCENE(X)    \
-    X(PLACE_NO_BOX, 3090)       \
-    X(MATERIAL_JSON, 3091)      \
-    X(MATERIAL_KEY, 3092)       \
-    X(MATERIAL_VALUE, 3093)     \
-    X(MATERIAL_NAME, 3094)      \
-    X(SCENE_NO_TRIANGLES, 3390) \
-    X(SCENE_RANGE, 3492)        \
-    X(PLACE_RANGE, 3495)        \
-    X(PLACE_DEPTH, 3795)
+#define LS_MESSAGES_SCENE(X)     \
+    X(PLACE_NO_BOX, 3090)        \
+    X(MATERIAL_JSON, 3091)       \
+    X(MATERIAL_KEY, 3092)        \
+    X(MATERIAL_VALUE, 3093)      \
+    X(MATERIAL_NAME, 3094)       \
+    X(MESH_NOT_FINITE, 3290)     \
+    X(SCENE_NO_TRIANGLES, 3390)  \
+    X(SCENE_ALL_FLAT, 3391)      \
+    X(MESH_FAR, 3490)            \
+    X(MESH_EXTENT, 3491)         \
+    X(SCENE_RANGE, 3492)         \
+    X(PLACE_RANGE, 3495)         \
+    X(TRANSFORM_SINGULAR, 3690)  \
+    X(TRANSFORM_CONDITION, 3691) \
+    X(TRANSFORM_RANGE, 3692)     \
+    X(LIMIT_RECORDS, 3792)       \
+    X(PLACE_DEPTH, 3795)         \
+    X(MESH_NORMAL, 3895)         \
+    X(MESH_TEXCOORD, 3896)       \
+    X(MESH_NO_TEXCOORD, 3897)
 
 #define LS_MESSAGES_INPUT(X)  \
     X(RAYS_CUT, 3099)         \
