@@ -254,7 +254,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                 cell = clamp(ivec3(floor(p * cells_per_unit)), low, high - 1);
                 if (entered)
                 {
-                    cell[axis] = rising[axis] ? low[axis] : high[axis] - 1;
+                    cell = mix(cell, mix(high - 1, low, rising), ls_is_axis(axis));
                 }
                 continue;
             }
@@ -299,8 +299,8 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                 }
                 precise vec3 point_in = (origin + direction * s_in) * cells_per_unit - vec3(cell);
                 precise vec3 point_out = (origin + direction * s_out) * cells_per_unit - vec3(cell);
-                uint face_in = 2u * axis_in + (rising[axis_in] ? 0u : 1u);
-                uint face_out = 2u * axis_out + (rising[axis_out] ? 1u : 0u);
+                uint face_in = 2u * axis_in + ((octant >> axis_in) & 1u);
+                uint face_out = 2u * axis_out + (~(octant >> axis_out) & 1u);
                 mask &=
                     ls_shaft_mask(voxel, first_shaft_word, face_in, point_in, face_out, point_out);
             }
@@ -321,7 +321,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
         precise vec3 p_out = origin + direction * s_out;
         ivec3 reached = ivec3(floor(p_out * cells_per_unit));
         cell = clamp(reached, mix(cube_low, cell, rising), mix(cell, cube_high - 1, rising));
-        cell[axis_out] = rising[axis_out] ? plane[axis_out] : plane[axis_out] - 1;
+        cell = mix(cell, plane - ivec3(not(rising)), ls_is_axis(axis_out));
         s = s_out;
         axis = axis_out;
         entered = true;
@@ -368,15 +368,23 @@ bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
     return ls_test_all(ray, best);
 }
 
-// Carries a scaled ray into an instance and traces it there. True if the ray may end.
-bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
+// A coordinate of a point and of a direction in object space; SPEC 7.2.
+float ls_carry_point(vec4 row, vec3 o)
+{
+    precise float p = ((row.x * o.x + row.y * o.y) + row.z * o.z) + row.w;
+    return p;
+}
+
+float ls_carry_way(vec4 row, vec3 d)
+{
+    precise float q = (row.x * d.x + row.y * d.y) + row.z * d.z;
+    return q;
+}
+
+// Carries a scaled ray into the space of an instance. False if it misses it.
+bool ls_carry_ray(LsRay ray, uint index, float tmax, uint flags, out LsLocalRay local)
 {
     LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
-    if ((instances.at[index].mask & mask) == 0u)
-    {
-        return false;
-    }
-    LsLocalRay local;
     local.origin = ray.origin;
     local.direction = ray.direction;
     local.instance = index;
@@ -388,21 +396,31 @@ bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint
     {
         vec3 o = ray.origin;
         vec3 d = ray.direction;
-        for (int i = 0; i < 3; i++)
-        {
-            vec4 row = instances.at[index].object_from_world[i];
-            precise float p = ((row.x * o.x + row.y * o.y) + row.z * o.z) + row.w;
-            precise float q = (row.x * d.x + row.y * d.y) + row.z * d.z;
-            local.origin[i] = p;
-            local.direction[i] = q;
-        }
+        vec4 row_x = instances.at[index].object_from_world[0];
+        vec4 row_y = instances.at[index].object_from_world[1];
+        vec4 row_z = instances.at[index].object_from_world[2];
+        local.origin = vec3(ls_carry_point(row_x, o), ls_carry_point(row_y, o),
+                            ls_carry_point(row_z, o));
+        local.direction = vec3(ls_carry_way(row_x, d), ls_carry_way(row_y, d),
+                               ls_carry_way(row_z, d));
         if (!ls_is_finite(local.origin) || !ls_is_direction(local.direction))
         {
             return false;
         }
         local.mirrored = (kind & LS_INSTANCE_MIRRORED) != 0u;
     }
-    return ls_local_ray_finish(local, ray.tmin, best.t) && ls_trace_object(local, best);
+    return ls_local_ray_finish(local, ray.tmin, tmax);
+}
+
+// Carries a scaled ray into an instance and traces it there. True if the ray may end.
+bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
+{
+    if ((LsInstanceArray(ls_scene.instances).at[index].mask & mask) == 0u)
+    {
+        return false;
+    }
+    LsLocalRay local;
+    return ls_carry_ray(ray, index, best.t, flags, local) && ls_trace_object(local, best);
 }
 
 // The triangle of the last ls_trace_ray: its index into the object's part of TRIANGLES, or LS_NONE.
@@ -414,7 +432,7 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     ls_cut = false;
     bool legal = ls_ray_is_legal(ray);
     float scale = ls_scale_ray(ray);
-    LsBest best = LsBest(ray.tmax, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, LS_NONE);
+    LsBest best = LsBest(ray.tmax, LS_NONE, LS_NONE);
     if (legal && LS_HAS_TOP_LEVEL == 0u)
     {
         ls_trace_instance(ray, best, 0u, mask, flags);
@@ -457,12 +475,27 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     bool any = (flags & LS_RAY_FLAG_ANY_HIT) != 0u;
     bool found = best.instance != LS_NONE;
     hit.t = found ? (any ? 0.0 : best.t * ls_exact_inverse(scale)) : -1.0;
-    hit.u = found && !any ? best.u : 0.0;
-    hit.v = found && !any ? best.v : 0.0;
+    hit.u = 0.0;
+    hit.v = 0.0;
     hit.instance = best.instance;
-    hit.object = best.object;
-    hit.primitive = best.primitive;
-    hit.material = best.material;
+    hit.object = LS_NONE;
+    hit.primitive = LS_NONE;
+    hit.material = LS_NONE;
+    if (found)
+    {
+        LsLocalRay local;
+        ls_carry_ray(ray, best.instance, best.t, flags, local);
+        uint index = local.first_triangle + best.triangle;
+        hit.object = local.object;
+        hit.primitive = LsTriangleArray(ls_scene.triangles).at[index].primitive;
+        hit.material = LsTriangleArray(ls_scene.triangles).at[index].material;
+        if (!any)
+        {
+            vec2 weights = ls_hit_weights(local, index);
+            hit.u = weights.x;
+            hit.v = weights.y;
+        }
+    }
     hit.flags = ls_cut ? LS_HIT_CUT : 0u;
     return hit;
 }

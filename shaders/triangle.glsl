@@ -37,6 +37,13 @@ float ls_min_component(vec3 v)
     return min(min(v.x, v.y), v.z);
 }
 
+// Whether a component is that of an axis. Selecting by it, rather than by an index that is known at run
+// time only, keeps vectors in registers.
+bvec3 ls_is_axis(uint axis)
+{
+    return equal(uvec3(0u, 1u, 2u), uvec3(axis));
+}
+
 // A direction is usable if it is finite and not zero, which starts below 2^-100: devices may take
 // numbers below 2^-126 for zero, and what they lose of such a direction must not show.
 bool ls_is_direction(vec3 d)
@@ -52,16 +59,12 @@ bool ls_ray_is_legal(LsRay ray)
            floatBitsToUint(ray.tmax) >= 0x00800000u;
 }
 
-// The nearest hit so far. t is in units of the scaled direction of ls_scale_ray.
+// The nearest hit so far. t is in units of the scaled direction of ls_scale_ray. The rest of a hit
+// follows from these at the end.
 struct LsBest
 {
-    float t; // tmax before the first hit
-    float u;
-    float v;
+    float t;       // tmax before the first hit
     uint instance; // LS_NONE before the first hit
-    uint object;
-    uint primitive;
-    uint material;
     uint triangle; // index into the object's part of TRIANGLES
 };
 
@@ -186,13 +189,18 @@ vec3 ls_permute(vec3 v, uint major)
     return major == 2u ? v : (major == 1u ? v.zxy : v.yzx);
 }
 
-// Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns
-// whether the ray may end: it is a hit and any hit was asked for. What only a hit needs is loaded
-// only then.
-bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
+// The corners of a triangle relative to the ray's origin, their projections along the ray, and U, V, W
+// of SPEC 7.4.
+struct LsProjection
+{
+    vec3 a, b, c;
+    vec2 pa, pb, pc;
+    float u, v, w;
+};
+
+LsProjection ls_project(LsLocalRay ray, uint index)
 {
     LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    uint index = ray.first_triangle + number;
     precise vec3 d = ls_permute(ray.direction, ray.major);
     precise vec3 a = ls_permute(triangles.at[index].v0 - ray.origin, ray.major);
     precise vec3 b = ls_permute(triangles.at[index].v1 - ray.origin, ray.major);
@@ -200,80 +208,96 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
+    precise float u = pc.x * pb.y - pc.y * pb.x;
+    precise float v = pa.x * pc.y - pa.y * pc.x;
+    precise float w = pb.x * pa.y - pb.y * pa.x;
+    return LsProjection(a, b, c, pa, pb, pc, u, v, w);
+}
+
+// The weights of the second and third corner where the ray meets a triangle that it hits.
+vec2 ls_hit_weights(LsLocalRay ray, uint index)
+{
+    LsProjection p = ls_project(ray, index);
+    precise float det = (p.u + p.v) + p.w;
+    precise vec2 weights = vec2(p.v / det, p.w / det);
+    return weights;
+}
+
+// Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns
+// whether the ray may end: it is a hit and any hit was asked for. What only a hit needs is loaded
+// only then.
+bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
+{
+    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    uint index = ray.first_triangle + number;
+    LsProjection p = ls_project(ray, index);
     // Off the ends of a needle, U, V and W may all round to zero; the bounds tell. They cost no
     // hit: rounding turns a sign to zero at most, so whatever truly holds the ray accepts it.
-    vec2 low = min(min(pa, pb), pc);
-    vec2 high = max(max(pa, pb), pc);
+    vec2 low = min(min(p.pa, p.pb), p.pc);
+    vec2 high = max(max(p.pa, p.pb), p.pc);
     if (max(low.x, low.y) > 0.0 || min(high.x, high.y) < 0.0)
     {
         return false;
     }
-    precise float u = pc.x * pb.y - pc.y * pb.x;
-    precise float v = pa.x * pc.y - pa.y * pc.x;
-    precise float w = pb.x * pa.y - pb.y * pa.x;
-    if (min(min(u, v), w) < 0.0 && max(max(u, v), w) > 0.0)
+    if (min(min(p.u, p.v), p.w) < 0.0 && max(max(p.u, p.v), p.w) > 0.0)
     {
         return false;
     }
-    precise float det = (u + v) + w;
+    precise float det = (p.u + p.v) + p.w;
     if (det == 0.0)
     {
         return false;
     }
     // In slivers the rounding of U, V and W moves the weighed point far along the triangle; how far
     // shows in projection, and the longest edge leads it back under the ray.
-    precise vec2 ab = pb - pa;
-    precise vec2 bc = pc - pb;
-    precise vec2 ca = pa - pc;
+    precise vec2 ab = p.pb - p.pa;
+    precise vec2 bc = p.pc - p.pb;
+    precise vec2 ca = p.pa - p.pc;
     precise vec3 lengths =
         vec3(ab.x * ab.x + ab.y * ab.y, bc.x * bc.x + bc.y * bc.y, ca.x * ca.x + ca.y * ca.y);
-    precise vec3 edge = vec3(ab, b.z - a.z);
+    precise vec3 edge = vec3(ab, p.b.z - p.a.z);
     precise float longest = lengths.x;
     if (lengths.y > longest)
     {
-        edge = vec3(bc, c.z - b.z);
+        edge = vec3(bc, p.c.z - p.b.z);
         longest = lengths.y;
     }
     if (lengths.z > longest)
     {
-        edge = vec3(ca, a.z - c.z);
+        edge = vec3(ca, p.a.z - p.c.z);
         longest = lengths.z;
     }
-    precise vec2 beside = ((u * pa + v * pb) + w * pc) / det;
+    precise vec2 beside = ((p.u * p.pa + p.v * p.pb) + p.w * p.pc) / det;
     precise float back = (beside.x * edge.x + beside.y * edge.y) / longest;
-    precise float height = ((u * a.z + v * b.z) + w * c.z) / det - back * edge.z;
-    precise float quotient = height / d.z;
+    precise float height = ((p.u * p.a.z + p.v * p.b.z) + p.w * p.c.z) / det - back * edge.z;
+    precise float quotient = height / ls_permute(ray.direction, ray.major).z;
     precise float s = quotient + ray.s0;
     if (!(s > ray.smin && s <= ray.smax))
     {
         return false;
     }
-    uint primitive = triangles.at[index].primitive;
-    if (s == ray.smax && (best.instance == LS_NONE || ray.instance > best.instance ||
-                          (ray.instance == best.instance && primitive > best.primitive)))
+    if (s == ray.smax &&
+        (best.instance == LS_NONE || ray.instance > best.instance ||
+         (ray.instance == best.instance &&
+          triangles.at[index].primitive >
+              triangles.at[ray.first_triangle + best.triangle].primitive)))
     {
         return false;
     }
     if ((ray.flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) != 0u)
     {
-        bool front = ((det > 0.0) == (d.z > 0.0)) != ray.mirrored;
+        bool rises = ls_permute(ray.direction, ray.major).z > 0.0;
+        bool front = ((det > 0.0) == rises) != ray.mirrored;
         if ((ray.flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) !=
             0u)
         {
             return false;
         }
     }
-    precise float weight_u = v / det;
-    precise float weight_v = w / det;
     ray.smax = s;
     best.t = s * ls_exact_inverse(ray.scale);
-    best.u = weight_u;
-    best.v = weight_v;
     best.instance = ray.instance;
-    best.object = ray.object;
-    best.primitive = primitive;
     best.triangle = number;
-    best.material = triangles.at[index].material;
     return (ray.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 
