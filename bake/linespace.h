@@ -12,16 +12,17 @@
 // Shafts of a voxel: 15 pairs of faces, N^2 x N^2 patches each.
 #define LS_SHAFT_COUNT(patches) (15u * (patches) * (patches) * (patches) * (patches))
 
-// Working memory of ls_shafts_mark for one thread; about 400 KiB. Contents are its own.
+// Working memory of ls_shafts_mark for one thread; about 500 KiB. Contents are its own.
 typedef struct LsShaftScratch LsShaftScratch;
 LsShaftScratch* ls_shaft_scratch_create(void); // NULL when out of memory
 void ls_shaft_scratch_destroy(LsShaftScratch* scratch);
 
-// ORs `bits` into the word of every shaft that the triangle may meet: each shaft whose hull, its
-// two patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more.
-// `corners` in voxel space, where the voxel is [0,1]^3; `bound` in voxel widths, below 0.25;
-// patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches).
-void ls_shafts_mark(const double corners[3][3], double bound, uint32_t patches, uint32_t bits,
+// Sets bit k of the word of every shaft that triangle k may meet: each shaft whose hull, its two
+// patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more; all other
+// bits to 0. `corners` of up to 32 triangles in voxel space, where the voxel is [0,1]^3; `bound` in
+// voxel widths, below 0.25; patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches). The bits of a
+// triangle do not depend on the others.
+void ls_shafts_mark(const double (*corners)[3][3], uint32_t count, double bound, uint32_t patches,
                     uint32_t* words, LsShaftScratch* scratch);
 
 #endif

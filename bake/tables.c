@@ -105,16 +105,15 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
             {
                 continue;
             }
-            memset(masks, 0, sizeof(uint32_t) * shafts);
-            double bound = (double)voxels->frame.bound * (double)(1u << (2 * voxel->level));
+            double corners[LS_MASK_TRIANGLES][3][3];
             for (uint32_t k = 0; k < voxel->reference_count; k++)
             {
-                double corners[3][3];
                 uint32_t reference = voxels->references[voxel->first_reference + k];
-                corners_in_voxel(voxels, voxel, &mesh->triangles[reference], corners);
-                ls_shafts_mark((const double(*)[3])corners, bound, patches, 1u << k, masks,
-                               scratch);
+                corners_in_voxel(voxels, voxel, &mesh->triangles[reference], corners[k]);
             }
+            double bound = (double)voxels->frame.bound * (double)(1u << (2 * voxel->level));
+            ls_shafts_mark((const double(*)[3][3])corners, voxel->reference_count, bound, patches,
+                           masks, scratch);
             filled += pack_masks(masks, shafts, ls_mask_width_log2(voxel->reference_count),
                                  tables->words + voxel->table);
         }

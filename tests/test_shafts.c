@@ -2,6 +2,7 @@
 
 #include "linespace.h"
 #include "reference/polytope.h"
+#include "shaft_tables.h"
 #include "test_random.h"
 
 #include <math.h>
@@ -137,6 +138,25 @@ static void make_adversarial(LsRandom* random, uint32_t patches, double bound, d
     }
 }
 
+static void tally_case(const LsShaftRun* run, const LsPolytope* body, uint32_t shaft,
+                       const double corners[3][3], bool separable, LsShaftTally* tally)
+{
+    bool oracle = ls_polytope_meets(body, corners);
+    tally->cases++;
+    tally->oracle_yes += oracle;
+    tally->separable_yes += separable;
+    tally->wrong_no += oracle && !separable;
+    if (oracle && !separable && tally->wrong_no == 1)
+    {
+        print_message("N %u e %g shaft %u:", run->patches, run->bound, shaft);
+        for (uint32_t c = 0; c < 9; c++)
+        {
+            print_message(" %.17g", corners[c / 3][c % 3]);
+        }
+        print_message("\n");
+    }
+}
+
 static void run_maker(const LsShaftRun* run, LsTriangleMaker* make, uint64_t seed,
                       LsShaftTally* tally)
 {
@@ -154,30 +174,27 @@ static void run_maker(const LsShaftRun* run, LsTriangleMaker* make, uint64_t see
         bodies[i] = ls_polytope_shaft(shafts[i], run->patches, run->bound);
     }
 
-    for (uint32_t t = 0; t < run->triangle_count; t++)
+    // Voxels of every number of triangles.
+    uint32_t size = 1;
+    for (uint32_t t = 0; t < run->triangle_count; t += size)
     {
-        double corners[3][3];
-        make(&random, run->patches, run->bound, corners);
-        memset(words, 0, shaft_count * sizeof *words);
-        uint32_t bit = 1u << t % 32;
-        ls_shafts_mark(corners, run->bound, run->patches, bit, words, scratch);
+        size = 1 + (t + size) % LS_MASK_TRIANGLES;
+        size = size < run->triangle_count - t ? size : run->triangle_count - t;
+        double corners[LS_MASK_TRIANGLES][3][3];
+        for (uint32_t k = 0; k < size; k++)
+        {
+            make(&random, run->patches, run->bound, corners[k]);
+        }
+        memset(words, 0xFF, shaft_count * sizeof *words);
+        ls_shafts_mark((const double(*)[3][3])corners, size, run->bound, run->patches, words,
+                       scratch);
         for (uint32_t i = 0; i < body_count; i++)
         {
-            bool oracle = ls_polytope_meets(&bodies[i], corners);
-            bool separable = words[shafts[i]] == bit;
-            assert_true(separable || words[shafts[i]] == 0);
-            tally->cases++;
-            tally->oracle_yes += oracle;
-            tally->separable_yes += separable;
-            tally->wrong_no += oracle && !separable;
-            if (oracle && !separable && tally->wrong_no == 1)
+            assert_true(size == 32 || words[shafts[i]] >> size == 0);
+            for (uint32_t k = 0; k < size; k++)
             {
-                print_message("N %u e %g shaft %u:", run->patches, run->bound, shafts[i]);
-                for (uint32_t c = 0; c < 9; c++)
-                {
-                    print_message(" %.17g", corners[c / 3][c % 3]);
-                }
-                print_message("\n");
+                tally_case(run, &bodies[i], shafts[i], (const double(*)[3])corners[k],
+                           words[shafts[i]] >> k & 1u, tally);
             }
         }
     }
@@ -293,27 +310,82 @@ static void numbering_is_a_bijection(void** state)
             assert_false(seen[key]);
             seen[key] = true;
 
-            double corners[3][3];
+            double corners[1][3][3];
             for (uint32_t end = 0; end < 2; end++)
             {
                 uint32_t axis = ends.face[end] / 2;
-                corners[end][axis] = ends.face[end] % 2;
-                corners[end][(axis + 1) % 3] = (ends.i[end] + 0.5) / patches;
-                corners[end][(axis + 2) % 3] = (ends.j[end] + 0.5) / patches;
+                corners[0][end][axis] = ends.face[end] % 2;
+                corners[0][end][(axis + 1) % 3] = (ends.i[end] + 0.5) / patches;
+                corners[0][end][(axis + 2) % 3] = (ends.j[end] + 0.5) / patches;
             }
             for (uint32_t axis = 0; axis < 3; axis++)
             {
-                double middle = 0.5 * (corners[0][axis] + corners[1][axis]);
-                corners[2][axis] = middle + 1e-7 * (axis + 1);
+                double middle = 0.5 * (corners[0][0][axis] + corners[0][1][axis]);
+                corners[0][2][axis] = middle + 1e-7 * (axis + 1);
             }
-            memset(words, 0, count * sizeof *words);
-            ls_shafts_mark(corners, 1e-6, patches, 1u, words, scratch);
+            ls_shafts_mark((const double(*)[3][3])corners, 1, 1e-6, patches, words, scratch);
             assert_int_equal(words[shaft], 1);
         }
         free(seen);
         free(words);
     }
     ls_shaft_scratch_destroy(scratch);
+}
+
+// Every kind of vectors that this machine has fills the same tables.
+static void vectors_agree(void** state)
+{
+    (void)state;
+    LsShaftTablesFill* fills[3] = {ls_shaft_tables_fill};
+    uint32_t fill_count = 1;
+#ifdef LS_HAS_X86_VARIANTS
+    __builtin_cpu_init();
+    if (__builtin_cpu_supports("avx2"))
+    {
+        fills[fill_count++] = ls_shaft_tables_fill_avx2;
+    }
+    if (__builtin_cpu_supports("avx512f"))
+    {
+        fills[fill_count++] = ls_shaft_tables_fill_avx512;
+    }
+#endif
+    LsRandom random = {99};
+    LsShaftTables* expected = malloc(sizeof *expected);
+    LsShaftTables* tables = malloc(sizeof *tables);
+    assert_true(expected && tables);
+    for (uint32_t round = 0; round < 300; round++)
+    {
+        LsShaftBatch batch = {.count = 3 + (int)ls_random_below(&random, LS_MAX_CORNERS - 2)};
+        for (int lane = 0; lane < LS_LANES; lane++)
+        {
+            for (int axis = 0; axis < 3; axis++)
+            {
+                for (int corner = 0; corner < LS_MAX_CORNERS; corner++)
+                {
+                    // Now and then on a border, where comparisons are close.
+                    batch.p[axis][corner][lane] = ls_random_below(&random, 4) == 0
+                                                      ? pick_border(&random, 4, 1e-3)
+                                                      : ls_random_between(&random, -1e-3, 1.001);
+                }
+                batch.normal[axis][lane] = ls_random_between(&random, -1.0, 1.0);
+            }
+            batch.e[lane] = 1e-3;
+            batch.margin[lane] = 1e-13;
+            batch.bits[lane] = 1 << lane;
+        }
+        int patches = 1 + (int)ls_random_below(&random, LS_MAX_PATCHES);
+        memset(expected, 0, sizeof *expected);
+        fills[0](expected, &batch, patches);
+        for (uint32_t i = 1; i < fill_count; i++)
+        {
+            memset(tables, 0, sizeof *tables);
+            fills[i](tables, &batch, patches);
+            assert_memory_equal(tables, expected, sizeof *tables);
+        }
+    }
+    print_message("%u kinds of vectors compared with the plain one\n", fill_count - 1);
+    free(expected);
+    free(tables);
 }
 
 // The oracle itself, against points drawn from triangle and hull: a common point means yes.
@@ -362,6 +434,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(oracle_agrees_with_sampling),
         cmocka_unit_test(numbering_is_a_bijection),
+        cmocka_unit_test(vectors_agree),
         cmocka_unit_test(random_triangles),
         cmocka_unit_test(mesh_like_triangles),
         cmocka_unit_test(needle_triangles),
