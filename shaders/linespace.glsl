@@ -9,11 +9,14 @@
 //     ...
 //     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
 //
-// Cells are walked by integers alone; a point on the ray only picks among the cells that an empty
+// Cells are walked by whole numbers alone; a point on the ray only picks among the cells that an empty
 // cube or a voxel leaves open. The s and the axis by which a cell is left are those by which the
 // next is entered, so the intervals tile the ray. Planes of cells are whole numbers times a power
 // of two, exact in float. design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo
 // 1987; exactness: SPEC 7.5.
+//
+// The numbers of cells are floats: below 2^16 at every level (R5.1), so exact, and planes and points
+// need no conversion.
 
 #ifndef LS_LINESPACE_GLSL
 #define LS_LINESPACE_GLSL
@@ -97,9 +100,10 @@ bool ls_meets_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float begin
 // Patch index on the face of `axis` for a point in voxel coordinates, clamped onto the voxel.
 uint ls_patch_index(vec3 p, uint axis, uint patches)
 {
-    uvec3 q = uvec3(clamp(p * float(patches), vec3(0.0), vec3(float(patches) - 0.5)));
-    return axis == 0u ? q.y * patches + q.z
-                      : (axis == 1u ? q.z * patches + q.x : q.x * patches + q.y);
+    float n = float(patches);
+    vec2 q = axis == 0u ? p.yz : (axis == 1u ? p.zx : p.xy);
+    uvec2 k = uvec2(ivec2(clamp(q * n, vec2(0.0), vec2(n - 0.5))));
+    return k.x * patches + k.y;
 }
 
 // The mask of the shaft from one face and point to another; SPEC chapter 6.
@@ -148,7 +152,7 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
     bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
     precise vec3 inverse = ls_inverse_direction(ray.direction) / inverse_cell;
     bvec3 rising = greaterThanEqual(direction, vec3(0.0));
-    ivec3 dims = ivec3(objects.at[ray.object].cells[0], objects.at[ray.object].cells[1],
+    uvec3 dims = uvec3(objects.at[ray.object].cells[0], objects.at[ray.object].cells[1],
                        objects.at[ray.object].cells[2]);
 
     // Where it enters and leaves the grid. Triangles keep a margin to its border, so this needs no
@@ -169,19 +173,18 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
         return false;
     }
 
-    precise vec3 start = origin + direction * s;
-    ivec3 cell = clamp(ivec3(floor(start)), ivec3(0), dims - 1); // counts cells of the level
-    ivec3 low = ivec3(0); // the region of the level: the grid,
-    ivec3 high = dims;    // or the parent voxel of a sub-grid
+    vec3 cell = clamp(floor(origin + direction * s), vec3(0.0), border - 1.0); // counts cells of the level
+    vec3 low = vec3(0.0); // the region of the level: the grid,
+    vec3 high = border;   // or the parent voxel of a sub-grid
     int level = 0;
     float cells_per_unit = 1.0; // 4^level, and its inverse
     float cell_size = 1.0;
     uint block = 0u;
     uint axis = 0u;
     bool entered = false; // by a face, `axis`; before that the ray starts inside the cell
-    uint octant = (rising.x ? 0u : 1u) | (rising.y ? 0u : 2u) | (rising.z ? 0u : 4u);
-    uint blocks_x = uint(dims.x + 3) >> 2;
-    uint blocks_y = uint(dims.y + 3) >> 2;
+    uint octant_shift = (rising.x ? 0u : 4u) | (rising.y ? 0u : 8u) | (rising.z ? 0u : 16u);
+    uint blocks_x = (dims.x + 3u) >> 2;
+    uint blocks_y = (dims.y + 3u) >> 2;
 
     uint first_block = LS_FIRST(objects.at[ray.object].first_block);
     uint first_cell_block = LS_FIRST(objects.at[ray.object].first_cell_block);
@@ -191,49 +194,42 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
 
     for (uint round = 0u; round < LS_MAX_ROUNDS; round++)
     {
-        // What stands here: an empty cube with its planes, or a voxel.
-        bool filled = false;
+        // What stands here: an empty cube, which begins at `base` and grows with the ray, or a voxel.
+        uvec3 at = uvec3(ivec3(cell));
         uint word = 0u;
-        ivec3 cube = cell;
-        int side = 1;
+        vec3 base = cell;
+        float unit = 1.0;
         bool in_block = true;
-        if (level == 0)
+        if (LS_HAS_SUBGRIDS == 0u || level == 0)
         {
-            uvec3 at = uvec3(cell) >> 2;
-            word = blocks.at[first_block + at.x + blocks_x * (at.y + blocks_y * at.z)];
-            if ((word & 15u) != 0u)
-            {
-                cube = ivec3(at) << 2;
-                side = int((word >> (4u * octant)) & 15u) << 2;
-                cube -= ivec3(not(rising)) * (side - 4);
-                in_block = false;
-            }
-            else
-            {
-                block = word >> 4;
-            }
+            uvec3 at_block = at >> 2;
+            word = blocks.at[first_block + at_block.x +
+                             blocks_x * (at_block.y + blocks_y * at_block.z)];
+            in_block = (word & 15u) == 0u;
+            block = in_block ? word >> 4 : block;
         }
         if (in_block)
         {
-            uvec3 at = uvec3(cell) & 3u;
-            word = cells.at[(first_cell_block + block) * LS_BLOCK_CELLS + at.x + 4u * at.y +
-                            16u * at.z];
-            if ((word & 15u) != 0u)
-            {
-                side = int((word >> (4u * octant)) & 15u);
-                cube -= ivec3(not(rising)) * (side - 1);
-            }
-            else
-            {
-                filled = true;
-            }
+            uvec3 in_at = at & 3u;
+            word = cells.at[(first_cell_block + block) * LS_BLOCK_CELLS + in_at.x + 4u * in_at.y +
+                            16u * in_at.z];
         }
+        else
+        {
+            base = vec3(ivec3(at & ~3u));
+            unit = 4.0;
+        }
+        bool filled = (word & 15u) == 0u;
+        float side = filled ? 1.0 : float(int((word >> octant_shift) & 15u)) * unit;
 
-        // The cube's far planes, and where the ray leaves through them.
-        ivec3 cube_low = max(cube, low);
-        ivec3 cube_high = min(cube + side, high);
-        ivec3 plane = mix(cube_low, cube_high, rising);
-        precise vec3 s_planes = (vec3(plane) * cell_size - origin) * inverse;
+        // The far planes, and where the ray leaves through them. Outside the grid all is empty;
+        // outside a sub-grid it is not.
+        vec3 plane = base + mix(vec3(unit - side), vec3(side), rising);
+        if (LS_HAS_SUBGRIDS != 0u)
+        {
+            plane = clamp(plane, low, high);
+        }
+        precise vec3 s_planes = (plane * cell_size - origin) * inverse;
         s_planes = mix(s_planes, vec3(LS_INFINITY), still);
         uint axis_out = ls_min_axis(s_planes);
         float s_out = max(ls_min_component(s_planes), s);
@@ -247,14 +243,13 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                 level++;
                 cells_per_unit *= 4.0;
                 cell_size *= 0.25;
-                low = cell << 2;
-                high = low + 4;
+                low = cell * 4.0;
+                high = low + 4.0;
                 block = voxel.table;
-                precise vec3 p = origin + direction * s;
-                cell = clamp(ivec3(floor(p * cells_per_unit)), low, high - 1);
+                cell = clamp(floor((origin + direction * s) * cells_per_unit), low, high - 1.0);
                 if (entered)
                 {
-                    cell = mix(cell, mix(high - 1, low, rising), ls_is_axis(axis));
+                    cell = mix(cell, mix(high - 1.0, low, rising), ls_is_axis(axis));
                 }
                 continue;
             }
@@ -292,15 +287,15 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
                 if (!entered)
                 {
                     precise vec3 s_near =
-                        (vec3(mix(cell + 1, cell, rising)) * cell_size - origin) * inverse;
+                        (mix(cell + 1.0, cell, rising) * cell_size - origin) * inverse;
                     s_near = mix(s_near, vec3(-LS_INFINITY), still);
                     axis_in = ls_max_axis(s_near);
                     s_in = min(ls_max_component(s_near), s);
                 }
-                precise vec3 point_in = (origin + direction * s_in) * cells_per_unit - vec3(cell);
-                precise vec3 point_out = (origin + direction * s_out) * cells_per_unit - vec3(cell);
-                uint face_in = 2u * axis_in + ((octant >> axis_in) & 1u);
-                uint face_out = 2u * axis_out + (~(octant >> axis_out) & 1u);
+                vec3 point_in = (origin + direction * s_in) * cells_per_unit - cell;
+                vec3 point_out = (origin + direction * s_out) * cells_per_unit - cell;
+                uint face_in = 2u * axis_in + ((octant_shift >> (axis_in + 2u)) & 1u);
+                uint face_out = 2u * axis_out + (~(octant_shift >> (axis_out + 2u)) & 1u);
                 mask &=
                     ls_shaft_mask(voxel, first_shaft_word, face_in, point_in, face_out, point_out);
             }
@@ -318,10 +313,10 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
         }
 
         // Step through the plane of axis_out; along the other axes the ray stays within the cube.
-        precise vec3 p_out = origin + direction * s_out;
-        ivec3 reached = ivec3(floor(p_out * cells_per_unit));
-        cell = clamp(reached, mix(cube_low, cell, rising), mix(cell, cube_high - 1, rising));
-        cell = mix(cell, plane - ivec3(not(rising)), ls_is_axis(axis_out));
+        vec3 reached = floor((origin + direction * s_out) * cells_per_unit);
+        vec3 last = mix(plane, plane - 1.0, rising); // the cube's last cells
+        reached = clamp(reached, min(cell, last), max(cell, last));
+        cell = mix(reached, mix(plane - 1.0, plane, rising), ls_is_axis(axis_out));
         s = s_out;
         axis = axis_out;
         entered = true;
@@ -331,16 +326,16 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
             level--;
             cells_per_unit *= 0.25;
             cell_size *= 4.0;
-            cell >>= 2;
+            cell = floor(cell * 0.25);
             if (level == 0)
             {
-                low = ivec3(0);
-                high = dims;
+                low = vec3(0.0);
+                high = border;
             }
             else
             {
-                low = (low >> 2) & ~3;
-                high = low + 4;
+                low = floor(low * 0.0625) * 4.0;
+                high = low + 4.0;
                 uint subgrid = block - (objects.at[ray.object].cell_block_count -
                                         objects.at[ray.object].subgrid_count);
                 block = LsWordArray(ls_scene.subgrids)
