@@ -20,3 +20,5 @@ endif()
 add_library(ls_test_mesh_writers STATIC mesh_writers.c)
 target_link_libraries(ls_test_mesh_writers PUBLIC ls_test_scenes PRIVATE ls_options PkgConfig::CMOCKA)
 ls_add_test(NAME test_formats SOURCES test_formats.c LIBRARIES ls_test_mesh_writers)
+
+add_test(NAME test_messages COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_messages.sh ${PROJECT_SOURCE_DIR})
