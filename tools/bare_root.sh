@@ -6,6 +6,7 @@
 # uses. What is tried is the last commit; changes that are not committed are left out. All mounts, and whatever the
 # commands leave running, end with the script, however it ends: it runs in name spaces of its own.
 set -euo pipefail
+called_from=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 usage()
@@ -39,7 +40,7 @@ for argument in "$@"; do
             exit 1
             ;;
         *)
-            root=$(realpath -m -- "$argument")
+            root=$(cd "$called_from" && realpath -m -- "$argument")
             folders=$((folders + 1))
             ;;
     esac
@@ -59,12 +60,14 @@ fail()
 for program in debootstrap unshare chroot git apt-get; do
     command -v "$program" > /dev/null || fail "no $program; install it (apt install debootstrap util-linux git)"
 done
-if [[ -z "${LS_BARE_ROOT_INSIDE-}" ]]; then
+if [[ -z "${LS_BARE_ROOT-}" ]]; then
     [[ ! -e "$root" ]] || fail "$root is there already; remove it, or name another folder"
-    export LS_BARE_ROOT_INSIDE=1
+    export LS_BARE_ROOT=$root
     exec unshare --mount --pid --fork --kill-child --mount-proc --propagation private \
         "tools/bare_root.sh" "${arguments[@]}"
 fi
+
+root=$LS_BARE_ROOT
 
 # Never below a mount, whatever became of it.
 remove_root()
