@@ -4,6 +4,9 @@ pkg_check_modules(STB REQUIRED IMPORTED_TARGET stb)
 add_executable(contact_sheet corpus/contact_sheet.c)
 target_link_libraries(contact_sheet PRIVATE ls_options PkgConfig::STB m)
 
+# What the test of them sees, first of all.
+add_test(NAME test_corpus_script COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/corpus/test_run.sh)
+
 # A sanitized program takes several times as long, and as much address space as it likes.
 set(corpus_limits --seconds 10 --address-space 4194304)
 if(LS_SANITIZE)

@@ -23,6 +23,7 @@ usage()
     echo "                           (messages.txt) in FOLDER"
     echo "  --seconds N              limit of a bake's time on the processor (default 10)"
     echo "  --address-space KIB      limit of a bake's memory (default: none)"
+    echo "  --models FOLDER, --outcomes FILE, --catalogue FILE   others than the package's, the list here, docs/errors.md"
 }
 
 # Of every format; with and without textures, colours, cameras, several meshes, holes.
@@ -47,7 +48,8 @@ while (($# > 0)); do
             usage
             exit 0
             ;;
-        --pictures | --size | --samples | --keep | --seconds | --address-space)
+        --pictures | --size | --samples | --keep | --seconds | --address-space | --models | --outcomes | \
+            --catalogue)
             if (($# < 2)); then
                 usage >&2
                 exit 1
@@ -59,6 +61,9 @@ while (($# > 0)); do
                 --keep) keep=$2 ;;
                 --seconds) seconds=$2 ;;
                 --address-space) address_space=$2 ;;
+                --models) models=$2 ;;
+                --outcomes) outcomes=$2 ;;
+                --catalogue) catalogue=$2 ;;
             esac
             shift
             ;;
@@ -211,7 +216,7 @@ bake()
     fi
     # As 3870 or, when there are several, 3870x5.
     warnings=$(warnings_of "$scratch/report.json" | uniq -c |
-        awk '{ print $1 > 1 ? $2 "x" $1 : $2 }' | paste -sd ,)
+        awk '{ print ($1 > 1 ? $2 "x" $1 : $2) }' | paste -sd ,)
     outcome="ok ${objects:-?} ${triangles:-?} ${warnings:--}"
     if [[ -z "$objects" || -z "$triangles" || "$triangles" == 0 ]]; then
         complain "$file" "the report counts no object or no triangle" "$scratch/report.json"
@@ -323,7 +328,7 @@ else
     done < "$found"
     if [[ "$pictures" != sample ]]; then
         while read -r file rest; do
-            grep -q "^$file " "$found" || complain "$file" "is in outcomes.txt, but not in $models"
+            grep -q "^$file " "$found" || complain "$file" "is in outcomes.txt, but not in the models"
         done < "$outcomes"
     fi
 fi
