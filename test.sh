@@ -3,7 +3,8 @@
 # that was skipped or could not run counts as failed.
 #
 # Without options: all tests of the release build, the bytes of gcc's and clang's bakes compared, and clang's build and
-# the sanitizers over everything that needs no GPU. --full adds clang and the sanitizers over what does.
+# the sanitizers over everything that needs no GPU. --full adds clang and the sanitizers over what does, and pictures of all
+# of the world's files (tests/corpus).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")"
 source tools/setup.sh
@@ -87,6 +88,8 @@ print_summary()
     print_lines release test_exact 'excepted'
     echo "== shaft test: what it says against the exact polytope test (tests/test_shafts.c)"
     print_lines release test_shafts 'wrong no$|surplus [0-9]'
+    echo "== the world's files by format (tests/corpus)"
+    print_lines release test_corpus '^(<system-out>)?corpus'
     echo "== flipped bits of a file (tests/test_file.c)"
     print_lines release test_file 'bit flips caught'
 }
@@ -146,6 +149,15 @@ if compare_bytes; then
     count_result passed bytes
 else
     count_result failed "bytes: clang's the same as gcc's"
+fi
+
+if $full; then
+    echo "== pictures of the world's files"
+    if tests/corpus/run.sh --pictures all build/release/bin; then
+        count_result passed "corpus pictures"
+    else
+        count_result failed "corpus pictures"
+    fi
 fi
 
 build_and_test sanitize --parallel 2 "${without_gpu[@]}"

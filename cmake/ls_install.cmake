@@ -20,13 +20,21 @@ function(ls_public_headers TARGET FOLDER)
     endif()
 endfunction()
 
-# ls_install_libraries(PART ls_x ...): the libraries, which package users know as ls::x, and their export set.
+# ls_install_libraries(PART ls_x ...): the libraries, which package users know as ls::x, and their export set. Static
+# ones that a shared one has swallowed are nobody's concern.
 function(ls_install_libraries PART)
+    set(libraries "")
     foreach(library IN LISTS ARGN)
+        get_target_property(type ${library} TYPE)
+        if(BUILD_SHARED_LIBS AND type STREQUAL "STATIC_LIBRARY")
+            continue()
+        endif()
         string(REGEX REPLACE "^ls_" "" name ${library})
         set_target_properties(${library} PROPERTIES EXPORT_NAME ${name})
+        list(APPEND libraries ${library})
     endforeach()
-    install(TARGETS ${ARGN} EXPORT linespace-${PART} ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(TARGETS ${libraries} EXPORT linespace-${PART}
+        ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR})
     install(EXPORT linespace-${PART} NAMESPACE ls:: DESTINATION ${LS_INSTALL_PACKAGE}
         FILE linespace-${PART}-targets.cmake)
 endfunction()

@@ -3,14 +3,13 @@ set(consumer_programs lsinfo lsbake)
 if(LS_BUILD_RUNTIME)
     list(APPEND consumer_programs lstrace lsview)
 endif()
+list(JOIN consumer_programs "," consumer_programs)
 set(consumer_flags "")
 if(LS_SANITIZE)
     set(consumer_flags "-fsanitize=${LS_SANITIZE}")
 endif()
-add_test(NAME test_install COMMAND ${CMAKE_COMMAND}
+set(consumer_arguments
     -D SOURCE_DIR=${PROJECT_SOURCE_DIR}
-    -D BINARY_DIR=${PROJECT_BINARY_DIR}
-    -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/install
     -D CONFIG=$<CONFIG>
     -D GENERATOR=${CMAKE_GENERATOR}
     -D MAKE_PROGRAM=${CMAKE_MAKE_PROGRAM}
@@ -22,6 +21,15 @@ add_test(NAME test_install COMMAND ${CMAKE_COMMAND}
     -D READELF=${CMAKE_READELF}
     -D PKG_CONFIG=${PKG_CONFIG_EXECUTABLE}
     -D GLSLANG=${LS_GLSLANG}
-    -D "PROGRAMS=$<JOIN:${consumer_programs},$<COMMA>>"
-    -D RUNTIME=${LS_BUILD_RUNTIME}
+    -D PROGRAMS=${consumer_programs}
+    -D RUNTIME=${LS_BUILD_RUNTIME})
+add_test(NAME test_install COMMAND ${CMAKE_COMMAND} ${consumer_arguments}
+    -D BINARY_DIR=${PROJECT_BINARY_DIR} -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/install
     -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/test_install.cmake)
+
+# The same with shared libraries, which are built for it. How they are linked has nothing to do with sanitizers.
+if(NOT LS_SANITIZE)
+    add_test(NAME test_shared COMMAND ${CMAKE_COMMAND} ${consumer_arguments}
+        -D SCRATCH_DIR=${CMAKE_CURRENT_BINARY_DIR}/shared -D NM=${CMAKE_NM}
+        -P ${CMAKE_CURRENT_SOURCE_DIR}/consumer/test_shared.cmake)
+endif()

@@ -1,6 +1,7 @@
 // test_import_off_stl.c - OFF and STL files: what is taken from them, and what is refused.
 
 #include "import.h"
+#include "mesh_writers.h"
 
 #include <math.h>
 #include <setjmp.h>
@@ -89,97 +90,28 @@ static void check_refused_text(const char* name, const char* text, LsResult expe
 
 // ---- One mesh in every format -------------------------------------------------------------------
 
-// A third face on one edge, a face twice, one with equal corners and a pentagon; the last vertex
-// lies where the first does.
-#define VERTICES 7
-static const float mesh_positions[VERTICES][3] = {
-    {0.0f, 0.0f, 0.0f},   {1.0f, 0.0f, 0.0f},       {0.0f, 1.0f, 0.0f},  {0.0f, 0.0f, 1.0f},
-    {0.5f, -1.25f, 0.1f}, {1.0e-7f, 2.5e6f, -0.3f}, {0.0f, 0.0f, -0.0f},
-};
-#define FACES 7
-static const int mesh_faces[FACES][6] = {
-    // count, corners
-    {3, 0, 1, 2}, {3, 0, 3, 1}, {3, 6, 1, 4},       {3, 0, 1, 2},
-    {3, 5, 5, 2}, {3, 0, 6, 1}, {5, 0, 1, 2, 3, 5},
-};
-#define TRIANGLES 9
-static const uint32_t mesh_indices[TRIANGLES][3] = {
-    {0, 1, 2}, {0, 3, 1}, {6, 1, 4}, {0, 1, 2}, {5, 5, 2},
-    {0, 6, 1}, {0, 1, 2}, {0, 2, 3}, {0, 3, 5},
-};
-
 #define MAX_BYTES 4096
-
-// The bytes of a file; without the line end of its last line, which may be missing.
-typedef size_t PrintMesh(char* bytes);
-
-static size_t print_records(char* text)
-{
-    size_t length = 0;
-    for (int i = 0; i < VERTICES; i++)
-        length += (size_t)sprintf(text + length, "%.9g %.9g %.9g\n", (double)mesh_positions[i][0],
-                                  (double)mesh_positions[i][1], (double)mesh_positions[i][2]);
-    for (int i = 0; i < FACES; i++)
-        for (int k = 0; k <= mesh_faces[i][0]; k++)
-            length += (size_t)sprintf(text + length, "%d%c", mesh_faces[i][k],
-                                      k < mesh_faces[i][0] ? ' ' : '\n');
-    return length - 1;
-}
-
-static size_t print_ply(char* text)
-{
-    const size_t length =
-        (size_t)sprintf(text,
-                        "ply\nformat ascii 1.0\nelement vertex %d\nproperty float x\n"
-                        "property float y\nproperty float z\nelement face %d\n"
-                        "property list uchar int vertex_indices\nend_header\n",
-                        VERTICES, FACES);
-    return length + print_records(text + length);
-}
-
-static size_t print_off(char* text)
-{
-    const size_t length = (size_t)sprintf(text, "OFF\n%d %d 0\n", VERTICES, FACES);
-    return length + print_records(text + length);
-}
-
-static size_t print_stl_text(char* text)
-{
-    size_t length = (size_t)sprintf(text, "solid a mesh\n");
-    for (int i = 0; i < TRIANGLES; i++)
-    {
-        length += (size_t)sprintf(text + length, "  facet normal 0 0 0\n    outer loop\n");
-        for (int k = 0; k < 3; k++)
-        {
-            const float* position = mesh_positions[mesh_indices[i][k]];
-            length +=
-                (size_t)sprintf(text + length, "      vertex %.9g %.9g %.9g\n", (double)position[0],
-                                (double)position[1], (double)position[2]);
-        }
-        length += (size_t)sprintf(text + length, "    endloop\n  endfacet\n");
-    }
-    return length + (size_t)sprintf(text + length, "endsolid");
-}
-
-// The header begins with the word of the text form, as those of many programs do.
-static size_t print_stl_binary(char* bytes)
-{
-    memset(bytes, 0, MAX_BYTES);
-    strcpy(bytes, "solid in truth binary");
-    bytes[80] = TRIANGLES;
-    char* facet = bytes + 84;
-    for (int i = 0; i < TRIANGLES; i++, facet += 50)
-        for (int k = 0; k < 3; k++)
-            memcpy(facet + 12 * (k + 1), mesh_positions[mesh_indices[i][k]], 12);
-    return (size_t)(facet - bytes);
-}
 
 static const struct
 {
     const char* name;
-    PrintMesh* print;
-} forms[] = {{"a.off", print_off}, {"a.stl", print_stl_text}, {"a.stl", print_stl_binary}};
+    LsMeshFormat format;
+} forms[] = {{"a.off", LS_MESH_FORMAT_OFF},
+             {"a.stl", LS_MESH_FORMAT_STL_TEXT},
+             {"a.stl", LS_MESH_FORMAT_STL_BINARY}};
 #define FORMS 3
+
+// Puts the bytes of the odd mesh's file into MAX_BYTES and returns how many; without the line end of
+// the last line, which may be missing.
+static size_t print_mesh(char* bytes, LsMeshFormat format)
+{
+    size_t size;
+    char* made = ls_mesh_bytes(&ls_odd_mesh, format, &size);
+    assert_true(size <= MAX_BYTES);
+    memcpy(bytes, made, size);
+    free(made);
+    return size;
+}
 
 static void check_same_triangles(const LsInput* input, const LsInput* expected)
 {
@@ -204,25 +136,26 @@ static void test_same_mesh(void** state)
 {
     (void)state;
     char bytes[MAX_BYTES];
-    write_bytes("a.ply", bytes, print_ply(bytes));
+    write_bytes("a.ply", bytes, print_mesh(bytes, LS_MESH_FORMAT_PLY_TEXT));
     LsInput expected = import_file("a.ply");
-    assert_int_equal(expected.meshes[0].triangle_count, TRIANGLES);
+    assert_int_equal(expected.meshes[0].triangle_count, LS_ODD_TRIANGLES);
     for (int form = 0; form < FORMS; form++)
     {
-        write_bytes(forms[form].name, bytes, forms[form].print(bytes));
+        write_bytes(forms[form].name, bytes, print_mesh(bytes, forms[form].format));
         LsInput input = import_file(forms[form].name);
         check_same_triangles(&input, &expected);
         if (form == 0)
         {
             // OFF keeps the vertices of the file, shared as they are there.
-            assert_int_equal(input.meshes[0].vertex_count, VERTICES);
-            assert_memory_equal(input.meshes[0].positions, mesh_positions, sizeof mesh_positions);
-            assert_memory_equal(input.meshes[0].indices, mesh_indices, sizeof mesh_indices);
+            assert_int_equal(input.meshes[0].vertex_count, LS_ODD_VERTICES);
+            assert_memory_equal(input.meshes[0].positions, ls_odd_positions,
+                                sizeof ls_odd_positions);
+            assert_memory_equal(input.meshes[0].indices, ls_odd_indices, sizeof ls_odd_indices);
         }
         else
         {
-            assert_int_equal(input.meshes[0].vertex_count, 3 * TRIANGLES);
-            for (uint32_t i = 0; i < 3 * TRIANGLES; i++)
+            assert_int_equal(input.meshes[0].vertex_count, 3 * LS_ODD_TRIANGLES);
+            for (uint32_t i = 0; i < 3 * LS_ODD_TRIANGLES; i++)
                 assert_int_equal(input.meshes[0].indices[i], i);
         }
         ls_input_destroy(&input);
@@ -324,7 +257,7 @@ static void test_not_finite(void** state)
     assert_true(input.meshes[0].positions[5] == INFINITY);
     ls_input_destroy(&input);
 
-    const size_t length = print_stl_binary(bytes);
+    const size_t length = print_mesh(bytes, LS_MESH_FORMAT_STL_BINARY);
     const uint32_t odd_nan = 0x7FC12345;
     memcpy(bytes + 84 + 50 + 12, &odd_nan, sizeof odd_nan);
     write_bytes("a.stl", bytes, length);
@@ -391,7 +324,7 @@ static void test_stl_refused(void** state)
 
     // Binary of another size than its count tells: cut, too long, or with a count beyond all memory.
     char bytes[MAX_BYTES];
-    const size_t length = print_stl_binary(bytes);
+    const size_t length = print_mesh(bytes, LS_MESH_FORMAT_STL_BINARY);
     check_refused("a.stl", bytes, length - 1, LS_ERROR_INPUT_FORMAT, "need 534 bytes");
     check_refused("a.stl", bytes, length + 1, LS_ERROR_INPUT_FORMAT, "need 534 bytes");
     memset(bytes + 80, 0xFF, 4);
@@ -407,7 +340,7 @@ static void test_cut(void** state)
     for (int form = 0; form < FORMS; form++)
     {
         char bytes[MAX_BYTES];
-        size_t length = forms[form].print(bytes);
+        size_t length = print_mesh(bytes, forms[form].format);
         while (length-- > 0)
         {
             LsInput input = {0};
@@ -431,7 +364,7 @@ static void test_damage(void** state)
     for (int form = 0; form < FORMS; form++)
     {
         char good[MAX_BYTES];
-        const size_t length = forms[form].print(good);
+        const size_t length = print_mesh(good, forms[form].format);
         unsigned refused = 0;
         unsigned taken = 0;
         for (int i = 0; i < 2000; i++)

@@ -63,21 +63,23 @@ LsCamera ls_render_camera(const LsFile* file, double aspect)
     double tan_half_y = 0.4;
     double angle = atan(tan_half_y * fmin(1.0, aspect));
     double distance = radius / sin(angle);
-    double sine = 0.25;
-    double cosine = sqrt(1.0 - sine * sine);
-    double center[3];
+    // From a little above and from the side: no plane of two axes is seen by its edge alone.
+    double rise = 0.25;
+    double turn = 0.3;
+    double level = sqrt(1.0 - rise * rise);
+    double ahead = sqrt(1.0 - turn * turn);
+    double right[3] = {ahead, 0.0, -turn};
+    double up[3] = {-turn * rise, level, -ahead * rise};
+    double back[3] = {turn * level, rise, ahead * level};
+    LsCamera camera = {.tan_half_y = (float)tan_half_y};
     for (int i = 0; i < 3; i++)
     {
-        center[i] = 0.5 * ((double)lower[i] + upper[i]);
+        double center = 0.5 * ((double)lower[i] + upper[i]);
+        const float row[4] = {(float)right[i], (float)up[i], (float)back[i],
+                              (float)(center + distance * back[i])};
+        memcpy(&camera.world_from_camera[i], row, sizeof row);
     }
-    return (LsCamera){
-        .world_from_camera = {{1.0f, 0.0f, 0.0f, (float)center[0]},
-                              {0.0f, (float)cosine, (float)sine,
-                               (float)(center[1] + distance * sine)},
-                              {0.0f, (float)-sine, (float)cosine,
-                               (float)(center[2] + distance * cosine)}},
-        .tan_half_y = (float)tan_half_y,
-    };
+    return camera;
 }
 
 // 1 / sum over lights of area times luminance: the density, per area and luminance, with which

@@ -34,8 +34,8 @@ typedef struct LsRenderStats
     uint32_t invalid_samples; // were not finite and counted as black; 0 unless something is wrong
 } LsRenderStats;
 
-// The file's first camera or, if it has none, one that looks along -z and slightly down at the
-// scene's box.
+// The file's first camera or, if it has none, one that looks at the scene's box: along -z, from a
+// little above and from the right.
 LsCamera ls_render_camera(const LsFile* file, double aspect);
 
 // Compiles the pipeline for `scene`, made from `file`; `file` is needed only during the call.

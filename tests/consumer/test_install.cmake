@@ -23,14 +23,14 @@ function(build FOLDER)
     run(${CMAKE_COMMAND} --build ${FOLDER})
 endfunction()
 
-# Neither the loader nor anything else but the C library and what the sanitizers bring.
+# Neither the loader nor anything else but the C library, own libraries and what the sanitizers bring.
 function(check_needed PROGRAM)
     run(${READELF} --dynamic --wide ${PROGRAM})
     string(REGEX MATCHALL "NEEDED[^\n]*" needed "${printed}")
     if(NOT needed)
         message(FATAL_ERROR "${PROGRAM} needs no library at all?\n${printed}")
     endif()
-    list(FILTER needed EXCLUDE REGEX "\\[(libc\\.so|ld-linux|lib[a-z]san\\.so)")
+    list(FILTER needed EXCLUDE REGEX "\\[(libc\\.so|libls_[a-z_]+\\.so|ld-linux|lib[a-z]san\\.so)")
     if(needed AND NOT C_FLAGS MATCHES "-fsanitize")
         message(FATAL_ERROR "${PROGRAM} needs more than the C library: ${needed}")
     elseif("${needed}" MATCHES "vulkan")
