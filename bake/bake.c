@@ -298,17 +298,17 @@ static LsResult make_tables(Bake* bake, LsError* error)
     return LS_OK;
 }
 
-// Nothing is written that readers would refuse: numbers that leave the range of float on their way.
+// Nothing is written that readers would refuse.
 static LsResult check_pack(const Bake* bake, LsError* error)
 {
     LsError broken = {0};
-    if (ls_file_desc_check(&bake->pack.desc, bake->desc->output, &broken) == LS_OK)
-    {
-        return LS_OK;
-    }
-    return ls_error_set(error, LS_MESSAGE_SCENE_RANGE,
-                        "%s: the scene has numbers that the file cannot hold (%.800s); scale it",
-                        bake->desc->inputs[0].path, broken.text);
+    const LsResult result = ls_file_desc_check(&bake->pack.desc, bake->desc->output, &broken);
+    return result == LS_OK
+               ? LS_OK
+               : ls_error_set(error, (int)broken.message,
+                              "%s: a fault of lsbake, the file would break a rule (%.800s); please "
+                              "report the scene",
+                              bake->desc->inputs[0].path, broken.text);
 }
 
 static LsResult pack_all(Bake* bake, LsError* error)

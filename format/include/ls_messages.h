@@ -111,7 +111,6 @@
     X(SCENE_ALL_FLAT, 3391)      \
     X(MESH_FAR, 3490)            \
     X(MESH_EXTENT, 3491)         \
-    X(SCENE_RANGE, 3492)         \
     X(PLACE_RANGE, 3495)         \
     X(TRANSFORM_SINGULAR, 3690)  \
     X(TRANSFORM_CONDITION, 3691) \
