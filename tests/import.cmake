@@ -1,6 +1,8 @@
 # What comes in: the importers, and what the programs do with bad input.
 ls_add_test(NAME test_import SOURCES test_import.c LIBRARIES ls_import)
-ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c LIBRARIES ls_import)
+ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c mesh_files.c LIBRARIES ls_import)
+ls_add_test(NAME test_import_ply SOURCES test_import_ply.c mesh_files.c LIBRARIES ls_import)
+ls_add_test(NAME test_import_obj SOURCES test_import_obj.c mesh_files.c LIBRARIES ls_import)
 
 # ls_add_bad_input_test(NAME GROUP): the programs must be built before.
 function(ls_add_bad_input_test NAME GROUP)

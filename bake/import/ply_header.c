@@ -26,7 +26,7 @@ static LsResult fail_header(const Lines* lines, LsMessage message, const char* w
                         lines->reader->path, (unsigned long long)lines->number, what);
 }
 
-// Reads a line; false at the end of the file.
+// Reads a line, the last one also without its end; false behind it.
 static bool next_line(Lines* lines)
 {
     size_t length = 0;
@@ -35,9 +35,9 @@ static bool next_line(Lines* lines)
     for (;;)
     {
         const int byte = ls_byte_reader_next(lines->reader);
-        if (byte < 0)
+        if (byte < 0 && length == 0)
             return false;
-        if (byte == '\n')
+        if (byte < 0 || byte == '\n')
             break;
         if (byte == '\r' && lines->number == 1)
         {
