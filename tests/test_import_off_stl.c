@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 // clang-format off: cmocka wants the headers above before it
 #include <cmocka.h>
@@ -159,6 +160,53 @@ static void test_same_mesh(void** state)
     ls_input_destroy(&expected);
 }
 
+// A triangle with normals, colours and texture coordinates, the same in every format that has them.
+static void test_same_streams(void** state)
+{
+    (void)state;
+    const char* const texts[][2] = {
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                  "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                  "property float red\nproperty float green\nproperty float blue\n"
+                  "property float u\nproperty float v\nelement face 1\n"
+                  "property list uchar int vertex_indices\nend_header\n"
+                  "0.1 0 0 0 0 1 0.5 0.25 1 0.1 0.3\n1 0 0.3 0 1 0 0 0.7 1 1 0\n"
+                  "0 1.7 0 0.6 0 0.8 1 1 0 0 1\n3 0 1 2\n"},
+        {"a.off", "STCNOFF\n3 1 0\n0.1 0 0 0 0 1 0.5 0.25 1 0.1 0.3\n1 0 0.3 0 1 0 0 0.7 1 1 0\n"
+                  "0 1.7 0 0.6 0 0.8 1 1 0 0 1\n3 0 1 2\n"},
+        {"a.obj", "v 0.1 0 0 0.5 0.25 1\nv 1 0 0.3 0 0.7 1\nv 0 1.7 0 1 1 0\nvt 0 1\nvt 0.1 0.3\n"
+                  "vt 1 0\nvn 0 0 1\nvn 0 1 0\nvn 0.6 0 0.8\nf 1/2/1 2/3/2 3/1/3\n"},
+    };
+    float expected[3][LS_STREAM_COUNT + 1][4] = {{{0}}};
+    for (size_t form = 0; form < sizeof texts / sizeof *texts; form++)
+    {
+        LsInput input = import_mesh_text(texts[form][0], texts[form][1]);
+        assert_int_equal(input.warning_count, 0);
+        const LsInputMesh* mesh = &input.meshes[0];
+        assert_int_equal(mesh->triangle_count, 1);
+        float found[3][LS_STREAM_COUNT + 1][4] = {{{0}}};
+        for (size_t i = 0; i < 3; i++)
+        {
+            memcpy(found[i][LS_STREAM_COUNT], &mesh->positions[3 * mesh->indices[i]], 12);
+            for (int kind = 0; kind < LS_STREAM_COUNT; kind++)
+            {
+                const LsInputStream* stream = &mesh->streams[kind];
+                const uint32_t size = ls_stream_size((LsStreamKind)kind);
+                assert_true((kind == LS_STREAM_TEXCOORD_1) == !stream->values);
+                if (stream->values)
+                    memcpy(found[i][kind],
+                           &stream->values[size *
+                                           (stream->indices ? stream->indices : mesh->indices)[i]],
+                           size * sizeof(float));
+            }
+        }
+        if (form == 0)
+            memcpy(expected, found, sizeof found);
+        assert_memory_equal(found, expected, sizeof found);
+        ls_input_destroy(&input);
+    }
+}
+
 // ---- OFF ----------------------------------------------------------------------------------------
 
 static void test_off_forms(void** state)
@@ -216,8 +264,8 @@ static void test_off_refused(void** state)
         {"OFF\n3\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
         {"OFF\n-3 1 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
         {"OFF\n3 1.5 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
-        {"OFF\n4000000000 1 0\n0 0 0\n", LS_MESSAGE_OFF_CUT, "4000000000"},
-        {"OFF\n3 99999999999999999999999 0\n0 0 0\n", LS_MESSAGE_OFF_CUT, "do not fit"},
+        {"OFF\n4000000000 1 0\n0 0 0\n", LS_MESSAGE_OFF_LIMIT, "2147483647"},
+        {"OFF\n3 999999999 0\n0 0 0\n", LS_MESSAGE_OFF_CUT, "do not fit"},
         {"OFF\n3 1 0\n0 0 0.00000\n1 0 0.00000\n0 1 0.00000\n", LS_MESSAGE_OFF_CUT, "cut short"},
         {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 3\n", LS_MESSAGE_OFF_CORNER, "face 0"},
         {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 4294967296\n", LS_MESSAGE_OFF_CORNER, "4294967296"},
@@ -406,6 +454,13 @@ static void test_stl_refused(void** state)
     check_mesh_refused("a.stl", LS_MESSAGE_STL_SIZE, "need 214748364834 bytes");
     write_mesh_bytes("a.stl", bytes, 40);
     check_mesh_refused("a.stl", LS_MESSAGE_TEXT_ZERO_BYTE, "zero byte");
+
+    // A file with holes in it, so that it takes no room: more facets than a mesh may have.
+    const uint32_t facets = 715827883;
+    memcpy(bytes + 80, &facets, sizeof facets);
+    write_mesh_bytes("a.stl", bytes, 84);
+    assert_int_equal(truncate(find_mesh_path("a.stl"), 84 + (off_t)facets * 50), 0);
+    check_mesh_refused("a.stl", LS_MESSAGE_STL_LIMIT, "split");
 }
 
 // Bytes behind the facets, and attributes: taken with a warning.
@@ -446,11 +501,12 @@ static void test_cut_and_damaged(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_mesh),   cmocka_unit_test(test_off_forms),
-        cmocka_unit_test(test_off_refused), cmocka_unit_test(test_off_warned),
-        cmocka_unit_test(test_off_streams), cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_stl_forms),   cmocka_unit_test(test_stl_refused),
-        cmocka_unit_test(test_stl_warned),  cmocka_unit_test(test_cut_and_damaged),
+        cmocka_unit_test(test_same_mesh),       cmocka_unit_test(test_same_streams),
+        cmocka_unit_test(test_off_forms),       cmocka_unit_test(test_off_refused),
+        cmocka_unit_test(test_off_warned),      cmocka_unit_test(test_off_streams),
+        cmocka_unit_test(test_not_finite),      cmocka_unit_test(test_stl_forms),
+        cmocka_unit_test(test_stl_refused),     cmocka_unit_test(test_stl_warned),
+        cmocka_unit_test(test_cut_and_damaged),
     };
     return cmocka_run_group_tests_name("import_off_stl", tests, make_mesh_folder,
                                        remove_mesh_folder);

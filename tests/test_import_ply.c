@@ -56,8 +56,8 @@ static void test_refused(void** state)
         {VERTICES "property int128 w\n" FACES END, LS_MESSAGE_PLY_TYPE, "int128"},
         {VERTICES "element face 1\nproperty list float int vertex_indices\n" END,
          LS_MESSAGE_PLY_TYPE, "float"},
-        {ASCII "element vertex 99999999999\n" XYZ FACES END POINTS, LS_MESSAGE_PLY_CUT,
-         "99999999999"},
+        {ASCII "element vertex 99999999999\n" XYZ FACES END POINTS, LS_MESSAGE_PLY_LIMIT,
+         "2147483647"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check_mesh_text_refused("a.ply", cases[i].text, cases[i].message, cases[i].word);

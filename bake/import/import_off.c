@@ -209,6 +209,9 @@ static LsResult check_counts(const OffText* text)
     };
     const LsOff* off = &text->off;
     const uint64_t size = text->lines.size;
+    const LsResult result = ls_off_check_counts(off);
+    if (result != LS_OK)
+        return result;
     if (off->vertex_count > size || off->face_count > size ||
         off->vertex_count * VERTEX_BYTES + off->face_count * FACE_BYTES > size + 1)
         return ls_error_set(text->lines.error, LS_MESSAGE_OFF_CUT,

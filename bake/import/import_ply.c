@@ -73,6 +73,13 @@ static LsResult fail_index(const Ply* ply, Place place, double index)
         (unsigned long long)ls_ply_header_find(&ply->header, LS_PLY_VERTICES)->count);
 }
 
+static LsResult fail_limit(const Ply* ply)
+{
+    return ls_error_set(ply->reader.error, LS_MESSAGE_PLY_LIMIT,
+                        "%s: more than 2147483647 vertices or 4294967294 triangles; split the mesh",
+                        ply->reader.path);
+}
+
 // ---- Numbers ------------------------------------------------------------------------------------
 
 static double get_binary(const uint8_t bytes[8], LsPlyType type, bool is_big)
@@ -439,12 +446,8 @@ static LsResult create_mesh(Ply* ply)
 {
     const LsPlyElement* vertices = ls_ply_header_find(&ply->header, LS_PLY_VERTICES);
     const LsPlyElement* faces = ls_ply_header_find(&ply->header, LS_PLY_FACES);
-    if (vertices->count > INT_MAX || ply->triangle_count >= LS_NONE ||
-        (faces && faces->count >= LS_NONE))
-        return ls_error_set(ply->reader.error, LS_MESSAGE_PLY_LIMIT,
-                            "%s: more than 2147483647 vertices or 4294967294 triangles; split the "
-                            "mesh",
-                            ply->reader.path);
+    if (ply->triangle_count >= LS_NONE)
+        return fail_limit(ply);
     const uint64_t vertex_count = vertices->count;
     const uint64_t triangle_count = ply->triangle_count;
     const bool has_normals = vertices->roles & 1u << LS_PLY_NX;
@@ -485,6 +488,12 @@ static LsResult import_file(Ply* ply)
         result = ls_ply_header_read(&ply->header, reader, ply->input);
     if (result != LS_OK)
         return result;
+    for (uint32_t i = 0; i < ply->header.element_count; i++)
+        if ((ply->header.elements[i].kind == LS_PLY_VERTICES &&
+             ply->header.elements[i].count > INT_MAX) ||
+            (ply->header.elements[i].kind == LS_PLY_FACES &&
+             ply->header.elements[i].count >= LS_NONE))
+            return fail_limit(ply);
     const uint64_t body = reader->size - ls_byte_reader_left(reader);
     const uint64_t body_line = reader->next_line;
     result = read_elements(ply);

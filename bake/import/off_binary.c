@@ -54,7 +54,7 @@ static LsResult read_counts(LsOff* off, LsByteReader* reader)
         return ls_byte_reader_fail_change(reader);
     off->vertex_count = counts[0];
     off->face_count = counts[1];
-    return LS_OK;
+    return ls_off_check_counts(off);
 }
 
 static LsResult read_face(LsOff* off, LsByteReader* reader, uint64_t face)

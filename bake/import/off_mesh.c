@@ -14,6 +14,15 @@ LsResult ls_off_fail_face(const LsOff* off, LsMessage message, uint64_t face, co
                         (unsigned long long)face, text);
 }
 
+LsResult ls_off_check_counts(const LsOff* off)
+{
+    if (off->vertex_count <= INT_MAX && off->face_count < LS_NONE && off->triangle_count < LS_NONE)
+        return LS_OK;
+    return ls_error_set(off->error, LS_MESSAGE_OFF_LIMIT,
+                        "%s: more than 2147483647 vertices or 4294967294 triangles; split the mesh",
+                        off->path);
+}
+
 static void note_color(float* largest, const float* color, uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++)
@@ -132,11 +141,9 @@ LsResult ls_off_create_mesh(LsOff* off)
     LsResult result = warn_of_counted(off);
     if (result != LS_OK || off->triangle_count == 0)
         return result;
-    if (off->vertex_count > INT_MAX || off->face_count >= LS_NONE || off->triangle_count >= LS_NONE)
-        return ls_error_set(off->error, LS_MESSAGE_OFF_LIMIT,
-                            "%s: more than 2147483647 vertices or 4294967294 triangles; split the "
-                            "mesh",
-                            off->path);
+    result = ls_off_check_counts(off);
+    if (result != LS_OK)
+        return result;
     const bool colors_faces = off->has_face_colors && !off->has_colors;
     const uint64_t vertex_bytes = 12 + (off->has_normals ? 12u : 0u) +
                                   (off->has_colors ? 16u : 0u) + (off->has_texcoords ? 8u : 0u);

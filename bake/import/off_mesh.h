@@ -32,6 +32,9 @@ typedef struct LsOff
 // Sets the error to "path: face 3: text".
 LsResult ls_off_fail_face(const LsOff* off, LsMessage message, uint64_t face, const char* text);
 
+// Whether a mesh can have so many vertices and faces: to ask behind the header.
+LsResult ls_off_check_counts(const LsOff* off);
+
 // Takes a vertex: position, then normal, three or four of colour, and texture coordinate if the
 // header has them. `color_count` is 3 or 4.
 void ls_off_add_vertex(LsOff* off, uint64_t vertex, const float* numbers, uint32_t color_count);
