@@ -213,6 +213,21 @@ static void test_mtl_warned(void** state)
                      "large.tga");
 }
 
+// However many there are: so many warnings and no more.
+static void test_many_warnings(void** state)
+{
+    (void)state;
+    static char text[1 << 20];
+    size_t length = 0;
+    for (int i = 0; i < 20000; i++)
+        length += (size_t)sprintf(text + length, "newmtl m%d\nd 0.5\nk%d 1\n", i, i);
+    write_mesh_text("a.mtl", text);
+    LsInput input = import_mesh_text("a.obj", "mtllib a.mtl\n" POINTS FACE);
+    assert_int_equal(input.material_count, 20001);
+    assert_int_equal(input.warning_count, 257);
+    ls_input_destroy(&input);
+}
+
 static void test_mtl_refused(void** state)
 {
     (void)state;
@@ -272,10 +287,11 @@ static void test_damaged(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_corners),     cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_warned),      cmocka_unit_test(test_materials),
-        cmocka_unit_test(test_textures),    cmocka_unit_test(test_mtl_warned),
-        cmocka_unit_test(test_mtl_refused), cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_corners),       cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_warned),        cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_textures),      cmocka_unit_test(test_mtl_warned),
+        cmocka_unit_test(test_many_warnings), cmocka_unit_test(test_mtl_refused),
+        cmocka_unit_test(test_damaged),
     };
     return cmocka_run_group_tests_name("import_obj", tests, make_mesh_folder, remove_mesh_folder);
 }

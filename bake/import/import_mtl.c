@@ -7,12 +7,16 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
 // Warnings about statements of one scene, each of another word; then one more, and no more.
 #define MAX_STATEMENT_WARNINGS 64
+// Of all kinds together: each is compared with those before it.
+#define MAX_WARNINGS 256
 
 // Maps that are taken.
 typedef enum MapKind
@@ -50,6 +54,22 @@ static LsResult fail_memory(const LsMtl* mtl)
 {
     return ls_error_set(mtl->error, LS_MESSAGE_OUT_OF_MEMORY, "%s: out of memory while reading it",
                         mtl->obj_path);
+}
+
+LsResult ls_mtl_warn(LsMtl* mtl, LsMessage message, const char* format, ...)
+{
+    char text[sizeof mtl->error->text];
+    if (mtl->warning_count > MAX_WARNINGS)
+        return LS_OK;
+    if (mtl->warning_count++ == MAX_WARNINGS)
+        return ls_input_warn(mtl->input, mtl->error, message,
+                             "%s: there is more to say of its materials than these warnings",
+                             mtl->obj_path);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    return ls_input_warn(mtl->input, mtl->error, message, "%s", text);
 }
 
 // ---- A material's end ---------------------------------------------------------------------------
@@ -104,8 +124,8 @@ static LsResult set_transparency(const Library* library, LsInputMaterial* materi
             material->core.base_color = clamp_color(draft->filter);
     }
     else if (opacity < 1.0f)
-        return ls_input_warn(
-            library->mtl->input, library->mtl->error, LS_MESSAGE_MTL_BLEND,
+        return ls_mtl_warn(
+            library->mtl, LS_MESSAGE_MTL_BLEND,
             "%s: material \"%.200s\" is see-through (d %g), which is not blended: it "
             "is opaque; give it illum 7 to make it glass",
             library->lines.path, draft->name, (double)opacity);
@@ -201,12 +221,12 @@ static LsResult warn_of_statement(Library* library, const char* keyword, const c
     if (!ls_name_table_set(&mtl->statements, name, 0))
         return fail_memory(mtl);
     if (mtl->statements.count > MAX_STATEMENT_WARNINGS)
-        return ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_STATEMENT,
-                             "%s: line %llu: further statements are left out", library->lines.path,
-                             (unsigned long long)library->lines.line_number);
-    return ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_STATEMENT,
-                         "%s: line %llu: \"%s\" is left out%s", library->lines.path,
-                         (unsigned long long)library->lines.line_number, name, what);
+        return ls_mtl_warn(mtl, LS_MESSAGE_MTL_STATEMENT,
+                           "%s: line %llu: further statements are left out", library->lines.path,
+                           (unsigned long long)library->lines.line_number);
+    return ls_mtl_warn(mtl, LS_MESSAGE_MTL_STATEMENT, "%s: line %llu: \"%s\" is left out%s",
+                       library->lines.path, (unsigned long long)library->lines.line_number, name,
+                       what);
 }
 
 // Three numbers, or one that stands for three. Other ways to give a colour are warned of.
@@ -421,9 +441,9 @@ static LsResult find_library_or_warn(LsMtl* mtl, const char* name)
         return fail_memory(mtl);
     if (mtl->libraries.count > MAX_STATEMENT_WARNINGS)
         return LS_OK;
-    return ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_OBJ_LIBRARY,
-                         "%s: its material library \"%.200s\" is not there; put it beside the OBJ",
-                         mtl->obj_path, name);
+    return ls_mtl_warn(mtl, LS_MESSAGE_OBJ_LIBRARY,
+                       "%s: its material library \"%.200s\" is not there; put it beside the OBJ",
+                       mtl->obj_path, name);
 }
 
 LsResult ls_mtl_read_libraries(LsMtl* mtl, const char* names)

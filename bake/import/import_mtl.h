@@ -38,11 +38,15 @@ typedef struct LsMtl
     LsNameTable libraries;  // those that have been looked for
     LsNameTable images;     // by path: index into LsInput.images, or LS_NONE for those left out
     LsNameTable statements; // those that have been warned of
+    uint32_t warning_count;
 } LsMtl;
 
 // Reads the libraries that a mtllib line names: one whose name has spaces, or several. Those that
 // are not there are warned of, those already read are passed over.
 LsResult ls_mtl_read_libraries(LsMtl* mtl, const char* names);
 void ls_mtl_destroy(LsMtl* mtl);
+
+// As ls_input_warn, but only so many times.
+LsResult ls_mtl_warn(LsMtl* mtl, LsMessage message, const char* format, ...) LS_PRINTF(3, 4);
 
 #endif

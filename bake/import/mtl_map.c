@@ -29,7 +29,7 @@ void ls_mtl_map_destroy(LsMtlMap* map)
 static uint32_t take_numbers(const char** text, float numbers[3])
 {
     uint32_t count = 0;
-    while (count < 3 && ls_text_count_words(*text) > 1 &&
+    while (count < 3 && *ls_text_skip_word(*text) &&
            ls_text_read_floats(*text, &numbers[count], 1) && isfinite(numbers[count]))
     {
         *text = ls_text_skip_word(*text);
@@ -90,9 +90,8 @@ static LsResult take_option(LsMtl* mtl, const LsTextLines* lines, const char* ke
     else if (!strcmp(name, "-clamp") && (is_word(value, "on") || is_word(value, "off")))
         map->is_clamped = is_word(value, "on");
     else
-        return ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_OPTION,
-                             "%s: line %llu: option %s of %s is left out", lines->path,
-                             (unsigned long long)lines->line_number, name, keyword);
+        return ls_mtl_warn(mtl, LS_MESSAGE_MTL_OPTION, "%s: line %llu: option %s of %s is left out",
+                           lines->path, (unsigned long long)lines->line_number, name, keyword);
     return LS_OK;
 }
 
@@ -108,9 +107,9 @@ LsResult ls_mtl_map_parse(LsMtl* mtl, const LsTextLines* lines, const char* keyw
             return result;
     }
     if (!*arguments)
-        return ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_IMAGE,
-                             "%s: line %llu: %s names no file; it is left out", lines->path,
-                             (unsigned long long)lines->line_number, keyword);
+        return ls_mtl_warn(mtl, LS_MESSAGE_MTL_IMAGE,
+                           "%s: line %llu: %s names no file; it is left out", lines->path,
+                           (unsigned long long)lines->line_number, keyword);
     map->file = strdup(arguments);
     return map->file ? LS_OK : fail_memory(mtl);
 }
@@ -149,9 +148,9 @@ static LsResult find_image(LsMtl* mtl, const char* file, uint32_t* index)
         const char* why = NULL;
         result = ls_image_file_read(mtl->input, path, &image, &why, mtl->error);
         if (result == LS_OK && why)
-            result = ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_IMAGE,
-                                   "%s: its texture \"%.200s\" is left out: %s", mtl->obj_path,
-                                   file, why);
+            result =
+                ls_mtl_warn(mtl, LS_MESSAGE_MTL_IMAGE, "%s: its texture \"%.200s\" is left out: %s",
+                            mtl->obj_path, file, why);
         else if (result == LS_OK)
         {
             LsInputImage* added = ls_input_add_image(mtl->input);
@@ -264,10 +263,10 @@ LsResult ls_mtl_map_add_masked(LsMtl* mtl, const LsMtlMap* color, const LsMtlMap
                                    images[color_image].width != images[alpha_image].width ||
                                    images[color_image].height != images[alpha_image].height))
     {
-        result = ls_input_warn(mtl->input, mtl->error, LS_MESSAGE_MTL_ALPHA_MAP,
-                               "%s: map_d \"%.200s\" is left out, since its size or place differs "
-                               "from that of map_Kd \"%.200s\"",
-                               mtl->obj_path, alpha->file, color->file);
+        result = ls_mtl_warn(mtl, LS_MESSAGE_MTL_ALPHA_MAP,
+                             "%s: map_d \"%.200s\" is left out, since its size or place differs "
+                             "from that of map_Kd \"%.200s\"",
+                             mtl->obj_path, alpha->file, color->file);
         return result == LS_OK ? ls_mtl_map_add(mtl, color, LS_TEXTURE_SRGB, texture) : result;
     }
     uint32_t image = color_image;
