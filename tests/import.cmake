@@ -5,7 +5,10 @@ target_link_libraries(ls_gltf_fixture PUBLIC ls_import PRIVATE ls_options PkgCon
 foreach(topic IN ITEMS "" _looks _meshes _nodes)
     ls_add_test(NAME test_import_gltf${topic} SOURCES test_import_gltf${topic}.c LIBRARIES ls_gltf_fixture)
 endforeach()
-ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c LIBRARIES ls_import ls_test_mesh_writers)
+ls_add_test(NAME test_import_off_stl SOURCES test_import_off_stl.c mesh_files.c
+    LIBRARIES ls_import ls_test_mesh_writers)
+ls_add_test(NAME test_import_ply SOURCES test_import_ply.c mesh_files.c LIBRARIES ls_import)
+ls_add_test(NAME test_import_obj SOURCES test_import_obj.c mesh_files.c LIBRARIES ls_import)
 
 # ls_add_bad_input_test(NAME GROUP): the programs must be built before.
 function(ls_add_bad_input_test NAME GROUP)

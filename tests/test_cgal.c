@@ -30,7 +30,6 @@ static const struct
     LsResult result;
 } REFUSED[] = {
     {"b9.ply", LS_ERROR_INPUT_NO_TRIANGLES}, // points alone
-    {"prim.off", LS_ERROR_INPUT_FORMAT},     // ten faces where its header says seven
 };
 
 static LsResult expected_result(const char* name)

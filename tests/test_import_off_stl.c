@@ -1,6 +1,6 @@
 // test_import_off_stl.c - OFF and STL files: what is taken from them, and what is refused.
 
-#include "import.h"
+#include "mesh_files.h"
 #include "mesh_writers.h"
 
 #include <math.h>
@@ -17,76 +17,6 @@
 // clang-format off: cmocka wants the headers above before it
 #include <cmocka.h>
 // clang-format on
-
-// ---- Files in a folder of this run --------------------------------------------------------------
-
-static char folder[] = "/tmp/ls-test-off-stl-XXXXXX";
-static const char* const file_names[] = {"a.ply", "a.off", "a.stl", "a.STL"};
-
-static const char* find_path(const char* name)
-{
-    static char path[256];
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    return path;
-}
-
-static int make_folder(void** state)
-{
-    (void)state;
-    return mkdtemp(folder) ? 0 : -1;
-}
-
-static int remove_folder(void** state)
-{
-    (void)state;
-    for (size_t i = 0; i < sizeof file_names / sizeof *file_names; i++)
-        unlink(find_path(file_names[i]));
-    return rmdir(folder);
-}
-
-static void write_bytes(const char* name, const void* bytes, size_t size)
-{
-    FILE* file = fopen(find_path(name), "wb");
-    assert_non_null(file);
-    assert_int_equal(fwrite(bytes, 1, size, file), size);
-    assert_int_equal(fclose(file), 0);
-}
-
-static LsInput import_file(const char* name)
-{
-    LsInput input = {0};
-    LsError error;
-    if (ls_import(&input, find_path(name), &error) != LS_OK)
-        fail_msg("%s", error.text);
-    return input;
-}
-
-static LsInput import_text(const char* name, const char* text)
-{
-    write_bytes(name, text, strlen(text));
-    return import_file(name);
-}
-
-// The file is refused with this result, and the message is one line that names the file and `word`.
-static void check_refused(const char* name, const void* bytes, size_t size, LsResult expected,
-                          const char* word)
-{
-    LsInput input = {0};
-    LsError error = {0};
-    write_bytes(name, bytes, size);
-    const LsResult result = ls_import(&input, find_path(name), &error);
-    ls_input_destroy(&input);
-    if (result != expected || !strstr(error.text, name) || !strstr(error.text, word) ||
-        strchr(error.text, '\n'))
-        fail_msg("%s: result %d instead of %d, or no \"%s\" in: %s", name, result, expected, word,
-                 error.text);
-}
-
-static void check_refused_text(const char* name, const char* text, LsResult expected,
-                               const char* word)
-{
-    check_refused(name, text, strlen(text), expected, word);
-}
 
 // ---- One mesh in every format -------------------------------------------------------------------
 
@@ -136,13 +66,13 @@ static void test_same_mesh(void** state)
 {
     (void)state;
     char bytes[MAX_BYTES];
-    write_bytes("a.ply", bytes, print_mesh(bytes, LS_MESH_FORMAT_PLY_TEXT));
-    LsInput expected = import_file("a.ply");
+    write_mesh_bytes("a.ply", bytes, print_mesh(bytes, LS_MESH_FORMAT_PLY_TEXT));
+    LsInput expected = import_mesh_file("a.ply");
     assert_int_equal(expected.meshes[0].triangle_count, LS_ODD_TRIANGLES);
     for (int form = 0; form < FORMS; form++)
     {
-        write_bytes(forms[form].name, bytes, print_mesh(bytes, forms[form].format));
-        LsInput input = import_file(forms[form].name);
+        write_mesh_bytes(forms[form].name, bytes, print_mesh(bytes, forms[form].format));
+        LsInput input = import_mesh_file(forms[form].name);
         check_same_triangles(&input, &expected);
         if (form == 0)
         {
@@ -161,6 +91,53 @@ static void test_same_mesh(void** state)
         ls_input_destroy(&input);
     }
     ls_input_destroy(&expected);
+}
+
+// A triangle with normals, colours and texture coordinates, the same in every format that has them.
+static void test_same_streams(void** state)
+{
+    (void)state;
+    const char* const texts[][2] = {
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+                  "property float z\nproperty float nx\nproperty float ny\nproperty float nz\n"
+                  "property float red\nproperty float green\nproperty float blue\n"
+                  "property float u\nproperty float v\nelement face 1\n"
+                  "property list uchar int vertex_indices\nend_header\n"
+                  "0.1 0 0 0 0 1 0.5 0.25 1 0.1 0.3\n1 0 0.3 0 1 0 0 0.7 1 1 0\n"
+                  "0 1.7 0 0.6 0 0.8 1 1 0 0 1\n3 0 1 2\n"},
+        {"a.off", "STCNOFF\n3 1 0\n0.1 0 0 0 0 1 0.5 0.25 1 0.1 0.3\n1 0 0.3 0 1 0 0 0.7 1 1 0\n"
+                  "0 1.7 0 0.6 0 0.8 1 1 0 0 1\n3 0 1 2\n"},
+        {"a.obj", "v 0.1 0 0 0.5 0.25 1\nv 1 0 0.3 0 0.7 1\nv 0 1.7 0 1 1 0\nvt 0 1\nvt 0.1 0.3\n"
+                  "vt 1 0\nvn 0 0 1\nvn 0 1 0\nvn 0.6 0 0.8\nf 1/2/1 2/3/2 3/1/3\n"},
+    };
+    float expected[3][LS_STREAM_COUNT + 1][4] = {{{0}}};
+    for (size_t form = 0; form < sizeof texts / sizeof *texts; form++)
+    {
+        LsInput input = import_mesh_text(texts[form][0], texts[form][1]);
+        assert_int_equal(input.warning_count, 0);
+        const LsInputMesh* mesh = &input.meshes[0];
+        assert_int_equal(mesh->triangle_count, 1);
+        float found[3][LS_STREAM_COUNT + 1][4] = {{{0}}};
+        for (size_t i = 0; i < 3; i++)
+        {
+            memcpy(found[i][LS_STREAM_COUNT], &mesh->positions[3 * mesh->indices[i]], 12);
+            for (int kind = 0; kind < LS_STREAM_COUNT; kind++)
+            {
+                const LsInputStream* stream = &mesh->streams[kind];
+                const uint32_t size = ls_stream_size((LsStreamKind)kind);
+                assert_true((kind == LS_STREAM_TEXCOORD_1) == !stream->values);
+                if (stream->values)
+                    memcpy(found[i][kind],
+                           &stream->values[size *
+                                           (stream->indices ? stream->indices : mesh->indices)[i]],
+                           size * sizeof(float));
+            }
+        }
+        if (form == 0)
+            memcpy(expected, found, sizeof found);
+        assert_memory_equal(found, expected, sizeof found);
+        ls_input_destroy(&input);
+    }
 }
 
 // ---- OFF ----------------------------------------------------------------------------------------
@@ -186,7 +163,7 @@ static void test_off_forms(void** state)
     const float expected[9] = {0, 0, 0, 1, 0, 0, 0, 0.5f, 0};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
     {
-        LsInput input = import_text("a.off", texts[i]);
+        LsInput input = import_mesh_text("a.off", texts[i]);
         assert_int_equal(input.mesh_count, 1);
         assert_int_equal(input.meshes[0].vertex_count, 3);
         assert_int_equal(input.meshes[0].triangle_count, 1);
@@ -194,10 +171,12 @@ static void test_off_forms(void** state)
         assert_memory_equal(input.meshes[0].indices, ((uint32_t[3]){0, 1, 2}), 12);
         ls_input_destroy(&input);
     }
-    LsInput input = import_text("a.off", "OFF\n1 0 0\n1 2 3\n");
+    LsInput input = import_mesh_text("a.off", "OFF\n1 0 0\n1 2 3\n");
     assert_int_equal(input.mesh_count, 0);
     ls_input_destroy(&input);
 }
+
+#define OFF_POINTS "0 0 0\n1 0 0\n0 1 0\n"
 
 static void test_off_refused(void** state)
 {
@@ -205,40 +184,113 @@ static void test_off_refused(void** state)
     static const struct
     {
         const char* text;
-        LsResult result;
+        LsMessage message;
         const char* word;
     } cases[] = {
-        {"ply\nformat ascii 1.0\n", LS_ERROR_INPUT_FORMAT, "not an OFF file"},
-        {"OFFICE\n3 1 0\n", LS_ERROR_INPUT_FORMAT, "not an OFF file"},
-        {"# only this\n", LS_ERROR_INPUT_FORMAT, "not an OFF file"},
-        {"OFF BINARY\n", LS_ERROR_INPUT_UNSUPPORTED, "binary"},
-        {"4OFF\n1 0 0\n0 0 0 1\n", LS_ERROR_INPUT_UNSUPPORTED, "three coordinates"},
-        {"nOFF\n2\n1 0 0\n0 0\n", LS_ERROR_INPUT_UNSUPPORTED, "three coordinates"},
-        {"OFF\n", LS_ERROR_INPUT_FORMAT, "numbers of vertices"},
-        {"OFF\n3\n", LS_ERROR_INPUT_FORMAT, "numbers of vertices"},
-        {"OFF\n-3 1 0\n", LS_ERROR_INPUT_FORMAT, "numbers of vertices"},
-        {"OFF\n3 1.5 0\n", LS_ERROR_INPUT_FORMAT, "numbers of vertices"},
-        {"OFF\n4000000000 1 0\n0 0 0\n", LS_ERROR_INPUT_FORMAT, "4000000000"},
-        {"OFF\n3 99999999999999999999999 0\n0 0 0\n", LS_ERROR_INPUT_FORMAT, "do not fit"},
-        {"OFF\n3 1 0\n0 0 0.00000\n1 0 0.00000\n0 1 0.00000\n", LS_ERROR_INPUT_FORMAT, "cut short"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", LS_ERROR_INPUT_INDEX, "line 6"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 4294967296\n", LS_ERROR_INPUT_INDEX, "4294967296"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 -1 2\n", LS_ERROR_INPUT_INDEX, "vertex -1"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 x\n", LS_ERROR_INPUT_FORMAT, "no number"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1.5 2\n", LS_ERROR_INPUT_FORMAT, "no number"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1    \n", LS_ERROR_INPUT_FORMAT, "fewer corners"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0  1\n", LS_ERROR_INPUT_FORMAT, "no number"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n2 0 1 255\n", LS_ERROR_INPUT_FORMAT, "three corners"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n18446744073709551615 0 1 2\n", LS_ERROR_INPUT_FORMAT,
-         "fewer corners"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 a\n0 1 0\n3 0 1 2\n", LS_ERROR_INPUT_FORMAT, "line 4"},
-        {"OFF\n3 1 0\n0 0 0\n1 0\n0 1 0\n3 0 1 2   # padding\n", LS_ERROR_INPUT_FORMAT, "line 4"},
-        {"OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n3 0 1 2\n", LS_ERROR_INPUT_FORMAT, "line 7"},
-        {"OFF\n3 1 0\n0 0 0 1 0 0 0 1 0\n3 0 1 2\n", LS_ERROR_INPUT_FORMAT, "one a line"},
+        {"ply\nformat ascii 1.0\n", LS_MESSAGE_OFF_HEADER, "not an OFF file"},
+        {"OFFICE\n3 1 0\n", LS_MESSAGE_OFF_HEADER, "not an OFF file"},
+        {"# only this\n", LS_MESSAGE_OFF_HEADER, "not an OFF file"},
+        {"OFF BINARY\n", LS_MESSAGE_OFF_CUT, "cut short"},
+        {"4OFF\n1 0 0\n0 0 0 1\n", LS_MESSAGE_OFF_DIMENSION, "three coordinates"},
+        {"nOFF\n2\n1 0 0\n0 0\n", LS_MESSAGE_OFF_DIMENSION, "three coordinates"},
+        {"OFF\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
+        {"OFF\n3\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
+        {"OFF\n-3 1 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
+        {"OFF\n3 1.5 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
+        {"OFF\n4000000000 1 0\n0 0 0\n", LS_MESSAGE_OFF_LIMIT, "2147483647"},
+        {"OFF\n3 999999999 0\n0 0 0\n", LS_MESSAGE_OFF_CUT, "do not fit"},
+        {"OFF\n3 1 0\n0 0 0.00000\n1 0 0.00000\n0 1 0.00000\n", LS_MESSAGE_OFF_CUT, "cut short"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 3\n", LS_MESSAGE_OFF_CORNER, "face 0"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 4294967296\n", LS_MESSAGE_OFF_CORNER, "4294967296"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 -1 2\n", LS_MESSAGE_OFF_CORNER, "vertex -1"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 x\n", LS_MESSAGE_OFF_NUMBER, "line 6"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 1.5 2\n", LS_MESSAGE_OFF_NUMBER, "whole"},
+        {"OFF\n3 1 0\n" OFF_POINTS "3 0 1\n", LS_MESSAGE_OFF_NUMBER, "fewer corners"},
+        {"OFF\n3 1 0\n" OFF_POINTS "-3 0 1 2\n", LS_MESSAGE_OFF_NUMBER, "number of corners"},
+        {"OFF\n3 1 0\n0 0 0\n1 0 a\n0 1 0\n3 0 1 2\n", LS_MESSAGE_OFF_NUMBER, "line 4"},
+        {"COFF\n3 1 0\n0 0 0 1 1\n1 0 0 1 1\n0 1 0 1 1\n3 0 1 2\n", LS_MESSAGE_OFF_NUMBER,
+         "lacks a number"},
+        {"OFF 3 1 0 0 0 0 1 0 0 0 1 0 3 0 1 2 255 0 0\n", LS_MESSAGE_OFF_LAYOUT, "more stands"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_refused_text("a.off", cases[i].text, cases[i].result, cases[i].word);
-    check_refused("a.off", "OFF\n1 0 0\n0 0 \0000\n", 17, LS_ERROR_INPUT_FORMAT, "zero byte");
+        check_mesh_text_refused("a.off", cases[i].text, cases[i].message, cases[i].word);
+    write_mesh_bytes("a.off", "OFF\n1 0 0\n0 0 \0000\n", 17);
+    check_mesh_refused("a.off", LS_MESSAGE_TEXT_ZERO_BYTE, "zero byte");
+}
+
+static void test_off_warned(void** state)
+{
+    (void)state;
+    check_mesh_text_warned("a.off", "OFF\n3 1 0\n0 0 0 9\n1 0 0 9\n0 1 0 9\n3 0 1 2\n",
+                           LS_MESSAGE_OFF_REST, "behind positions");
+    check_mesh_text_warned("a.off", "OFF\n3 1 0\n" OFF_POINTS "3 0 1 2 7\n", LS_MESSAGE_OFF_REST,
+                           "behind faces");
+    check_mesh_text_warned("a.off", "OFF\n3 2 0\n" OFF_POINTS "2 0 1\n3 0 1 2\n",
+                           LS_MESSAGE_OFF_SMALL_FACES, "face 0");
+    check_mesh_text_warned("a.off",
+                           "COFF\n3 1 0\n0 0 0 1 1 1\n1 0 0 1 1 1\n0 1 0 1 1 1\n3 0 1 2 1 0 0\n",
+                           LS_MESSAGE_OFF_FACE_COLORS, "colours");
+    check_mesh_text_warned("a.off", "OFF\n3 0 0\n" OFF_POINTS, LS_MESSAGE_OFF_POINTS, "3 vertices");
+    check_mesh_text_warned("a.off", "OFF\n3 1 0\n" OFF_POINTS "3 0 1 2\n3 0 1 2\n",
+                           LS_MESSAGE_OFF_TRAILING, "line 7");
+}
+
+// What stands behind positions, in text and in binary, and records that share lines.
+static void test_off_streams(void** state)
+{
+    (void)state;
+    char bytes[MAX_BYTES];
+    const float numbers[3][12] = {{0, 0, 0, 0, 0, 1, 1, 0, 0, 0.25f, 0.25f, 0.25f},
+                                  {1, 0, 0, 0, 0, 2, 0, 1, 0, 1, 1, 1},
+                                  {0, 1, 0, 0, 1, 0, 0, 0, 1, 1, 0, 1}};
+    size_t length = (size_t)sprintf(bytes, "STCNOFF BINARY\n");
+    const uint32_t counts[3] = {3, 1, 0};
+    const uint32_t face[5] = {3, 0, 1, 2, 0};
+    uint32_t words[3 + 36 + 5];
+    memcpy(words, counts, sizeof counts);
+    memcpy(words + 3, numbers, sizeof numbers);
+    memcpy(words + 39, face, sizeof face);
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        for (int k = 0; k < 4; k++)
+            bytes[length++] = (char)(words[i] >> (24 - 8 * k));
+    for (int form = 0; form < 3; form++)
+    {
+        if (form == 0)
+            write_mesh_bytes("a.off", bytes, length);
+        else
+        {
+            char text[1024];
+            size_t end = (size_t)sprintf(text, "STCNOFF\n3 1 0\n");
+            for (int i = 0; i < 36; i++)
+                end += (size_t)sprintf(text + end, "%.9g%c", (double)numbers[i / 12][i % 12],
+                                       form == 1 && i % 12 == 11 ? '\n' : ' ');
+            sprintf(text + end, "3 0 1 2\n");
+            write_mesh_text("a.off", text);
+        }
+        LsInput input = import_mesh_file("a.off");
+        const LsInputMesh* mesh = &input.meshes[0];
+        assert_int_equal(input.warning_count, 0);
+        assert_int_equal(mesh->triangle_count, 1);
+        assert_true(mesh->positions[3] == 1.0f && mesh->positions[7] == 1.0f);
+        assert_true(mesh->streams[LS_STREAM_NORMAL].values[5] == 2.0f);
+        assert_true(mesh->streams[LS_STREAM_COLOR].values[0] == 1.0f);
+        assert_true(mesh->streams[LS_STREAM_COLOR].values[3] == 0.25f);
+        assert_true(mesh->streams[LS_STREAM_TEXCOORD_0].values[0] == 0.25f);
+        assert_true(mesh->streams[LS_STREAM_TEXCOORD_0].values[1] == 0.75f);
+        ls_input_destroy(&input);
+    }
+    check_mesh_cut("a.off", bytes, length, 0);
+    check_mesh_damage("a.off", bytes, length, 500);
+
+    // Colours of faces in bytes; the second face has none.
+    LsInput input =
+        import_mesh_text("a.off", "OFF\n3 2 0\n" OFF_POINTS "3 0 1 2 255 0 51\n3 2 1 0\n");
+    const LsInputStream* stream = &input.meshes[0].streams[LS_STREAM_COLOR];
+    const uint32_t faces[6] = {0, 0, 0, LS_NONE, LS_NONE, LS_NONE};
+    assert_memory_equal(stream->indices, faces, sizeof faces);
+    assert_true(stream->values[0] == 1.0f && stream->values[1] == 0.0f &&
+                stream->values[3] == 1.0f);
+    ls_input_destroy(&input);
 }
 
 // Kept as they are; the bake says what is wrong with them.
@@ -246,13 +298,14 @@ static void test_not_finite(void** state)
 {
     (void)state;
     char bytes[MAX_BYTES];
-    LsInput input = import_text("a.off", "OFF\n3 1 0\n0 nan 0\n1 0 -inf\n0 1 0\n3 0 1 2\n");
+    LsInput input = import_mesh_text("a.off", "OFF\n3 1 0\n0 nan 0\n1 0 -inf\n0 1 0\n3 0 1 2\n");
     assert_true(isnan(input.meshes[0].positions[1]));
     assert_true(input.meshes[0].positions[5] == -INFINITY);
     ls_input_destroy(&input);
 
-    input = import_text("a.stl", "solid\nfacet normal nan nan nan\nouter loop\nvertex 0 NaN 0\n"
-                                 "vertex 1 0 1e99\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n");
+    input =
+        import_mesh_text("a.stl", "solid\nfacet normal nan nan nan\nouter loop\nvertex 0 NaN 0\n"
+                                  "vertex 1 0 1e99\nvertex 0 1 0\nendloop\nendfacet\nendsolid\n");
     assert_true(isnan(input.meshes[0].positions[1]));
     assert_true(input.meshes[0].positions[5] == INFINITY);
     ls_input_destroy(&input);
@@ -260,8 +313,8 @@ static void test_not_finite(void** state)
     const size_t length = print_mesh(bytes, LS_MESH_FORMAT_STL_BINARY);
     const uint32_t odd_nan = 0x7FC12345;
     memcpy(bytes + 84 + 50 + 12, &odd_nan, sizeof odd_nan);
-    write_bytes("a.stl", bytes, length);
-    input = import_file("a.stl");
+    write_mesh_bytes("a.stl", bytes, length);
+    input = import_mesh_file("a.stl");
     assert_memory_equal(&input.meshes[0].positions[9], &odd_nan, sizeof odd_nan);
     ls_input_destroy(&input);
 }
@@ -272,7 +325,7 @@ static void test_stl_forms(void** state)
 {
     (void)state;
     // Capitals, no names, line ends of two bytes, empty lines, two solids.
-    LsInput input = import_text(
+    LsInput input = import_mesh_text(
         "a.STL", "SOLID\r\n\r\nFACET NORMAL 0 0 1\r\nOUTER  LOOP\r\nVERTEX 0 0 0\r\n"
                  "VERTEX 1 0 0\r\nVERTEX 0 1 0\r\nENDLOOP\r\nENDFACET\r\nENDSOLID\r\n"
                  "solid two\nfacet\nouter loop\nvertex 2 2 2\nvertex\t2 2 3\nvertex 2 2 2\n"
@@ -285,12 +338,12 @@ static void test_stl_forms(void** state)
     ls_input_destroy(&input);
 
     // No facets at all.
-    input = import_text("a.stl", "solid\nendsolid\n");
+    input = import_mesh_text("a.stl", "solid\nendsolid\n");
     assert_int_equal(input.mesh_count, 0);
     ls_input_destroy(&input);
     const char header[84] = {0};
-    write_bytes("a.stl", header, sizeof header);
-    input = import_file("a.stl");
+    write_mesh_bytes("a.stl", header, sizeof header);
+    input = import_mesh_file("a.stl");
     assert_int_equal(input.mesh_count, 0);
     ls_input_destroy(&input);
 }
@@ -303,107 +356,91 @@ static void test_stl_refused(void** state)
     static const struct
     {
         const char* text;
+        LsMessage message;
         const char* word;
     } cases[] = {
-        {"OFF\n3 1 0\n", "line 1: \"solid\""},
-        {"solid a\n", "no endsolid"},
-        {"solid a\nvertex 0 0 0\n", "line 2: \"facet\""},
-        {"solidity\n", "\"solid\""},
-        {"solid\nfacets\n", "\"facet\""},
-        {"solid\nfacet\nouter\n", "line 3: \"outer loop\""},
-        {FACET_START "endloop\n", "line 6: \"vertex\""},
-        {FACET_START "vertex 0 1\n", "line 6: a vertex needs three numbers"},
-        {FACET_START "vertex 0 1 0x\n", "line 6: a vertex needs three numbers"},
-        {FACET_START "vertex 0 1 0\nvertex 0 1 1\nendloop\n", "line 7: \"endloop\""},
-        {FACET_START "vertex 0 1 0\nendloop\nendsolid\n", "line 8: \"endfacet\""},
-        {FACET_START "vertex 0 1 0\nendloop\nendfacet\n", "no endsolid"},
-        {FACET_START "vertex 0 1 0\nendloop\nendfacet\nendsolid\nfacet\n", "line 10: \"solid\""},
+        {"OFF\n3 1 0\n", LS_MESSAGE_STL_LINE, "line 1: \"solid\""},
+        {"solid a\n", LS_MESSAGE_STL_CUT, "no endsolid"},
+        {"solid a\nvertex 0 0 0\n", LS_MESSAGE_STL_LINE, "line 2: \"facet\""},
+        {"solidity\n", LS_MESSAGE_STL_LINE, "\"solid\""},
+        {"solid\nfacets\n", LS_MESSAGE_STL_LINE, "\"facet\""},
+        {"solid\nfacet\nouter\n", LS_MESSAGE_STL_LINE, "line 3: \"outer loop\""},
+        {FACET_START "endloop\n", LS_MESSAGE_STL_LINE, "line 6: \"vertex\""},
+        {FACET_START "vertex 0 1\n", LS_MESSAGE_STL_NUMBER, "line 6"},
+        {FACET_START "vertex 0 1 0x\n", LS_MESSAGE_STL_NUMBER, "line 6"},
+        {FACET_START "vertex 0 1 0\nvertex 0 1 1\nendloop\n", LS_MESSAGE_STL_LINE, "line 7"},
+        {FACET_START "vertex 0 1 0\nendloop\nendsolid\n", LS_MESSAGE_STL_LINE, "line 8"},
+        {FACET_START "vertex 0 1 0\nendloop\nendfacet\n", LS_MESSAGE_STL_CUT, "no endsolid"},
+        {FACET_START "vertex 0 1 0\nendloop\nendfacet\nendsolid\nfacet\n", LS_MESSAGE_STL_LINE,
+         "line 10"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
-        check_refused_text("a.stl", cases[i].text, LS_ERROR_INPUT_FORMAT, cases[i].word);
+        check_mesh_text_refused("a.stl", cases[i].text, cases[i].message, cases[i].word);
 
-    // Binary of another size than its count tells: cut, too long, or with a count beyond all memory.
+    // Binary too short for its count, or with a count beyond all memory.
     char bytes[MAX_BYTES];
     const size_t length = print_mesh(bytes, LS_MESH_FORMAT_STL_BINARY);
-    check_refused("a.stl", bytes, length - 1, LS_ERROR_INPUT_FORMAT, "need 534 bytes");
-    check_refused("a.stl", bytes, length + 1, LS_ERROR_INPUT_FORMAT, "need 534 bytes");
+    write_mesh_bytes("a.stl", bytes, length - 1);
+    check_mesh_refused("a.stl", LS_MESSAGE_STL_SIZE, "need 534 bytes");
     memset(bytes + 80, 0xFF, 4);
-    check_refused("a.stl", bytes, length, LS_ERROR_INPUT_FORMAT, "need 214748364834 bytes");
-    check_refused("a.stl", bytes, 40, LS_ERROR_INPUT_FORMAT, "zero byte");
+    write_mesh_bytes("a.stl", bytes, length);
+    check_mesh_refused("a.stl", LS_MESSAGE_STL_SIZE, "need 214748364834 bytes");
+    write_mesh_bytes("a.stl", bytes, 40);
+    check_mesh_refused("a.stl", LS_MESSAGE_TEXT_ZERO_BYTE, "zero byte");
+
+    // A file with holes in it, so that it takes no room: more facets than a mesh may have.
+    const uint32_t facets = 715827883;
+    memcpy(bytes + 80, &facets, sizeof facets);
+    write_mesh_bytes("a.stl", bytes, 84);
+    assert_int_equal(truncate(find_mesh_path("a.stl"), 84 + (off_t)facets * 50), 0);
+    check_mesh_refused("a.stl", LS_MESSAGE_STL_LIMIT, "split");
+}
+
+// Bytes behind the facets, and attributes: taken with a warning.
+static void test_stl_warned(void** state)
+{
+    (void)state;
+    char bytes[MAX_BYTES];
+    const size_t length = print_mesh(bytes, LS_MESH_FORMAT_STL_BINARY);
+    write_mesh_bytes("a.stl", bytes, length + 1);
+    LsInput input = import_mesh_file("a.stl");
+    assert_int_equal(input.meshes[0].triangle_count, LS_ODD_TRIANGLES);
+    assert_int_equal(input.warning_count, 1);
+    assert_int_equal(input.warnings[0].message, LS_MESSAGE_STL_TRAILING);
+    assert_non_null(strstr(input.warnings[0].text, "1 bytes"));
+    ls_input_destroy(&input);
+    bytes[84 + 49] = (char)0x80;
+    write_mesh_bytes("a.stl", bytes, length);
+    input = import_mesh_file("a.stl");
+    assert_int_equal(input.warning_count, 1);
+    assert_int_equal(input.warnings[0].message, LS_MESSAGE_STL_COLORS);
+    ls_input_destroy(&input);
 }
 
 // ---- Cut and damaged files ----------------------------------------------------------------------
 
-static void test_cut(void** state)
+static void test_cut_and_damaged(void** state)
 {
     (void)state;
     for (int form = 0; form < FORMS; form++)
     {
         char bytes[MAX_BYTES];
-        size_t length = print_mesh(bytes, forms[form].format);
-        while (length-- > 0)
-        {
-            LsInput input = {0};
-            LsError error = {0};
-            write_bytes(forms[form].name, bytes, length);
-            if (ls_import(&input, find_path(forms[form].name), &error) == LS_OK)
-                fail_msg("%s, cut after %zu bytes, was taken", forms[form].name, length);
-            assert_non_null(strstr(error.text, forms[form].name));
-            ls_input_destroy(&input);
-        }
-    }
-}
-
-// Random bytes in good files: any result, but within bounds and with a message. Half of them are
-// digits and signs, which pass further into the readers.
-static void test_damage(void** state)
-{
-    (void)state;
-    static const char likely[] = "0123456789 -\n.#e";
-    uint32_t random = 1;
-    for (int form = 0; form < FORMS; form++)
-    {
-        char good[MAX_BYTES];
-        const size_t length = print_mesh(good, forms[form].format);
-        unsigned refused = 0;
-        unsigned taken = 0;
-        for (int i = 0; i < 2000; i++)
-        {
-            char bytes[MAX_BYTES];
-            memcpy(bytes, good, length);
-            for (int k = 0; k <= i % 3; k++)
-            {
-                random = random * 1664525u + 1013904223u;
-                const size_t place = (random >> 8) % length;
-                random = random * 1664525u + 1013904223u;
-                bytes[place] = i % 2 ? likely[random >> 28] : (char)(random >> 24);
-            }
-            write_bytes(forms[form].name, bytes, length);
-            LsInput input = {0};
-            LsError error = {0};
-            if (ls_import(&input, find_path(forms[form].name), &error) == LS_OK)
-                taken++;
-            else
-            {
-                assert_non_null(strstr(error.text, forms[form].name));
-                refused++;
-            }
-            for (uint32_t m = 0; error.result == LS_OK && m < input.mesh_count; m++)
-                for (uint32_t t = 0; t < 3 * input.meshes[m].triangle_count; t++)
-                    assert_true(input.meshes[m].indices[t] < input.meshes[m].vertex_count);
-            ls_input_destroy(&input);
-        }
-        assert_true(refused > 10 && taken > 10);
+        const size_t length = print_mesh(bytes, forms[form].format);
+        check_mesh_cut(forms[form].name, bytes, length, 0);
+        check_mesh_damage(forms[form].name, bytes, length, 1000);
     }
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_mesh),   cmocka_unit_test(test_off_forms),
-        cmocka_unit_test(test_off_refused), cmocka_unit_test(test_not_finite),
-        cmocka_unit_test(test_stl_forms),   cmocka_unit_test(test_stl_refused),
-        cmocka_unit_test(test_cut),         cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_same_mesh),       cmocka_unit_test(test_same_streams),
+        cmocka_unit_test(test_off_forms),       cmocka_unit_test(test_off_refused),
+        cmocka_unit_test(test_off_warned),      cmocka_unit_test(test_off_streams),
+        cmocka_unit_test(test_not_finite),      cmocka_unit_test(test_stl_forms),
+        cmocka_unit_test(test_stl_refused),     cmocka_unit_test(test_stl_warned),
+        cmocka_unit_test(test_cut_and_damaged),
     };
-    return cmocka_run_group_tests_name("import_off_stl", tests, make_folder, remove_folder);
+    return cmocka_run_group_tests_name("import_off_stl", tests, make_mesh_folder,
+                                       remove_mesh_folder);
 }

@@ -5,7 +5,7 @@
 BUILD_PACKAGES=(
     gcc g++ cmake ninja-build pkg-config glslang-tools spirv-tools spirv-cross
     libvulkan-dev mesa-vulkan-drivers
-    libtinygltf-dev libopenmesh-dev libxxhash-dev libcjson-dev libstb-dev libtinyexr-dev
+    libtinygltf-dev libxxhash-dev libcjson-dev libstb-dev libtinyexr-dev
     libcmocka-dev libembree-dev
 )
 TEST_PACKAGES=(clang libomp-dev assimp-testmodels libcgal-demo)

@@ -1,13 +1,13 @@
 // gltf_images.cpp - decodes the images that textures use; one that cannot be is a warning.
 //
-// Only PNG and JPEG, which is what glTF has: the other decoders of stb_image are never reached.
+// Only PNG and JPEG, which is what glTF has.
 
 #include "gltf_import.h"
+#include "image_file.h"
 
-#include <algorithm>
 #include <climits>
+#include <cstdlib>
 #include <cstring>
-#include <stb_image.h>
 
 namespace
 {
@@ -35,42 +35,21 @@ uint32_t decode(GltfImport& import, const unsigned char* bytes, size_t size,
 {
     if (!is_png(bytes, size) && !is_jpeg(bytes, size))
         return note_problem(import, name, "it is neither PNG nor JPEG");
-    int width, height, channels;
-    const int length = static_cast<int>(size);
-    if (size > INT_MAX || !stbi_info_from_memory(bytes, length, &width, &height, &channels))
-        return note_problem(import, name, "its header is malformed");
-    if (width < 1 || height < 1 || width > LS_MAX_IMAGE_SIDE || height > LS_MAX_IMAGE_SIDE)
-        return note_problem(import, name,
-                            "its size of " + std::to_string(width) + " x " +
-                                std::to_string(height) + " is beyond the limit of " +
-                                std::to_string(LS_MAX_IMAGE_SIDE));
-    if (stbi_is_16_bit_from_memory(bytes, length))
+    if (ls_image_is_deep(bytes, size))
         ls_gltf_note(import, LS_MESSAGE_GLTF_WARN_IMAGE_DEPTH, "images of 16 bits a channel", name,
                      "they are reduced to 8");
-
-    // The decoder needs about as much again for what it unpacks.
-    const uint64_t pixel_bytes =
-        uint64_t(4) * static_cast<uint64_t>(width) * static_cast<uint64_t>(height);
-    ls_gltf_reserve(import, pixel_bytes, 0, false);
-    ls_gltf_reserve(import, 2 * pixel_bytes, 0, true);
-    std::unique_ptr<unsigned char, void (*)(void*)> pixels(
-        stbi_load_from_memory(bytes, length, &width, &height, &channels, 4), stbi_image_free);
-    if (!pixels)
-        return note_problem(import, name,
-                            std::string("it is malformed (") + stbi_failure_reason() + ")");
-
-    LsInputImage* added = gltf_check_memory(ls_input_add_image(import.input));
-    const size_t count = static_cast<size_t>(width) * static_cast<size_t>(height);
-    added->width = static_cast<uint32_t>(width);
-    added->height = static_cast<uint32_t>(height);
-    added->pixels =
-        gltf_check_memory(static_cast<uint32_t*>(std::malloc(count * sizeof(uint32_t))));
-    for (size_t i = 0; i < count; i++)
-    {
-        const unsigned char* p = pixels.get() + 4 * i;
-        added->pixels[i] =
-            uint32_t(p[0]) | uint32_t(p[1]) << 8 | uint32_t(p[2]) << 16 | uint32_t(p[3]) << 24;
-    }
+    LsInputImage image;
+    const char* why;
+    const LsResult result =
+        ls_image_decode(import.input, import.path.c_str(), bytes, size, &image, &why, import.error);
+    if (result != LS_OK)
+        throw Reported{result};
+    if (why)
+        return note_problem(import, name, why);
+    LsInputImage* added = ls_input_add_image(import.input);
+    if (!added)
+        std::free(image.pixels);
+    *gltf_check_memory(added) = image;
     return import.input->image_count - 1;
 }
 

@@ -351,8 +351,8 @@ static Importer* find_importer(const char* path)
         const char* ending;
         Importer* importer;
     } importers[] = {
-        {".gltf", ls_import_gltf},    {".glb", ls_import_gltf}, {".obj", ls_import_obj},
-        {".ply", ls_import_openmesh}, {".off", ls_import_off},  {".stl", ls_import_stl},
+        {".gltf", ls_import_gltf}, {".glb", ls_import_gltf}, {".obj", ls_import_obj},
+        {".ply", ls_import_ply},   {".off", ls_import_off},  {".stl", ls_import_stl},
     };
     const char* name = strrchr(path, '/');
     const char* ending = strrchr(name ? name : path, '.');

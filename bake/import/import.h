@@ -194,10 +194,10 @@ extern "C"
     LsInputMesh* ls_input_add_plain_mesh(LsInput* input, uint32_t vertex_count,
                                          uint32_t triangle_count);
 
-    // The shims: glTF and GLB through tinygltf, PLY through OpenMesh, OBJ, OFF and STL by readers
-    // of our own (their files say why). `path` is a readable file that is not empty.
+    // The shims: glTF and GLB through tinygltf, the others by readers of our own (their files say
+    // why). `path` is a readable file that is not empty.
     LsResult ls_import_gltf(LsInput* input, const char* path, LsError* error);
-    LsResult ls_import_openmesh(LsInput* input, const char* path, LsError* error);
+    LsResult ls_import_ply(LsInput* input, const char* path, LsError* error);
     LsResult ls_import_obj(LsInput* input, const char* path, LsError* error);
     LsResult ls_import_off(LsInput* input, const char* path, LsError* error);
     LsResult ls_import_stl(LsInput* input, const char* path, LsError* error);
