@@ -236,35 +236,36 @@ check_bake()
     check_scene empty.ply 2201
     check_scene a_folder 2301
     check_scene a_folder.ply 2301
-    for ending in ply obj gltf glb; do
-        check_scene "foreign.$ending"
-    done
+    check_scene foreign.ply 3001
+    check_scene foreign.obj 3023
+    check_scene foreign.gltf 3070
+    check_scene foreign.glb 3071
     check_scene foreign.xyz 3590
 
     head -c 700000 "$scenes/bunny.ply" > cut.ply
-    check_scene cut.ply
+    check_scene cut.ply 3005
     head -c 150 "$scenes/bunny.ply" > cut_header.ply
-    check_scene cut_header.ply
+    check_scene cut_header.ply 3002
     head -c 2000 "$scenes/cornell.gltf" > cut.gltf
-    check_scene cut.gltf
+    check_scene cut.gltf 3070
     printf 'glTF\002\0\0\0\377\0\0\0' > cut.glb
-    check_scene cut.glb
+    check_scene cut.glb 3071
 
     ascii_triangle '0 0 0' '1 0 0' '0 1 0' '3 0 1 3' > index.ply
-    check_scene index.ply
+    check_scene index.ply 3101
     printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' > index.obj
-    check_scene index.obj
+    check_scene index.obj 3120
     gltf '' > index.gltf
-    check_scene index.gltf
+    check_scene index.gltf 3172
 
     binary_triangle '\0\0\300\177' > nan.ply
-    check_scene nan.ply
+    check_scene nan.ply 3290
     binary_triangle '\0\0\200\377' > infinite.ply
-    check_scene infinite.ply
+    check_scene infinite.ply 3290
     printf 'v 0 nan 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > nan.obj
-    check_scene nan.obj
+    check_scene nan.obj 3290
     ascii_triangle '0 nan 0' '1 0 0' '0 1 0' '3 0 1 2' > nan_text.ply
-    check_scene nan_text.ply
+    check_scene nan_text.ply 3290
     binary_triangle '\0\0\0\0' > finite.ply
     "$programs/lsbake" finite.ply -o finite.lspace --quiet || wrong=$((wrong + 1))
 
@@ -278,21 +279,21 @@ check_bake()
         check 3390 "triangle" lsbake "$scene" -o out/scene.lspace
         check 3390 "triangle" lsbake "$scene" -o out/older.lspace
     done
-    check 2 "triangle" lsbake no_area.ply -o out/scene.lspace
-    check 2 "triangle" lsbake no_area.ply -o out/older.lspace
+    check 3391 "triangle" lsbake no_area.ply -o out/scene.lspace
+    check 3391 "triangle" lsbake no_area.ply -o out/older.lspace
 
     ascii_triangle '1e30 0 0' '1e30 1 0' '1e30 0 1' '3 0 1 2' > far.ply
-    check_scene far.ply
+    check_scene far.ply 3490
     printf '\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0\0\0\0\0\0\0\0\0\0\0\200\077\0\0\0\0\0\0\001\0\002\0' > triangle.bin
     gltf ',"scale":[1,1,1e-9]' > flat.gltf
-    check 2 "transform" lsbake flat.gltf -o out/scene.lspace
+    check 3691 "transform" lsbake flat.gltf -o out/scene.lspace
     gltf ',"scale":[0,0,0]' > zero.gltf
-    check 2 "transform" lsbake zero.gltf -o out/scene.lspace
+    check 3690 "transform" lsbake zero.gltf -o out/scene.lspace
     gltf ',"translation":[0,0' > broken.gltf
-    check_scene broken.gltf
+    check_scene broken.gltf 3070
     gltf '' > lonely.gltf
     mv triangle.bin elsewhere.bin
-    check_scene lonely.gltf
+    check_scene lonely.gltf 3075
 
     # Placement and materials.
     check 3090 points.ply lsbake points.ply --at 0,0,0 -o out/scene.lspace
@@ -318,20 +319,36 @@ check_bake()
     check 3791 shafts lsbake "$scenes/bunny.ply" --patches 16 --max-memory 1G -o out/older.lspace
     # What no stage can tell beforehand; sanitizers of memory cannot live with a limit of the process.
     if [[ ! ${LS_SANITIZE:-} =~ address|thread ]]; then
-        check 6 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/scene.lspace
-        check 6 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/older.lspace
+        check 7001 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/scene.lspace
+        check 7001 "--max-memory" lsbake "$scenes/bunny.ply" --grid 400 --threads 1 --max-memory 30M -o out/older.lspace
     fi
     "$programs/lsbake" good.ply --max-memory 64M --max-triangles 1 -o good_limit.lspace --quiet || wrong=$((wrong + 1))
 
+    # Warnings: shown, all of them in the report, errors if asked for.
+    check 3807 points.ply lsbake good.ply points.ply --strict -o out/scene.lspace
+    check 3807 points.ply lsbake good.ply points.ply --strict -o out/older.lspace
+    "$programs/lsbake" good.ply points.ply -o warned.lspace --report json > stdout.txt 2> stderr.txt || wrong=$((wrong + 1))
+    [[ $(grep -c '^lsbake: warning 3807: points.ply: ' stderr.txt) == 1 && $(wc -l < stderr.txt) == 1 ]] || wrong=$((wrong + 1))
+    [[ $(head -c 1 stdout.txt) == '{' && $(grep -c '"number":.*3807' stdout.txt) == 1 ]] || wrong=$((wrong + 1))
+    "$programs/lsbake" good.ply points.ply -o warned.lspace --quiet > stdout.txt 2> stderr.txt || wrong=$((wrong + 1))
+    [[ ! -s stdout.txt && ! -s stderr.txt ]] || wrong=$((wrong + 1))
+    local names
+    names=$(printf ',"TEST_%s"' {1..25})
+    printf '{"asset":{"version":"2.0"},"scenes":[{}],"extensionsUsed":[%s]}' "${names#,}" > warnings.gltf
+    "$programs/lsbake" good.ply warnings.gltf -o warned.lspace --report json > stdout.txt 2> stderr.txt || wrong=$((wrong + 1))
+    [[ $(grep -c '^lsbake: warning 3870: ' stderr.txt) == 20 && $(grep -c 'and 5 more' stderr.txt) == 1 ]] || wrong=$((wrong + 1))
+    [[ $(grep -c '"number":.*3870' stdout.txt) == 25 ]] || wrong=$((wrong + 1))
+    count=$((count + 4))
+
     # Bad places for the output.
-    check 3 a_folder lsbake good.ply -o a_folder
-    check 3 nowhere lsbake good.ply -o nowhere/scene.lspace
-    check 3 good.ply lsbake good.ply -o good.ply/scene.lspace
+    check 4002 a_folder lsbake good.ply -o a_folder
+    check 4001 nowhere lsbake good.ply -o nowhere/scene.lspace
+    check 4001 good.ply lsbake good.ply -o good.ply/scene.lspace
     # Before any scene is read.
-    check 3 nowhere lsbake cut.ply -o nowhere/scene.lspace
-    check 3 a_folder lsbake cut.ply -o a_folder
-    check 3 out/new/ lsbake cut.ply -o out/new/
-    check 3 /dev/null lsbake cut.ply -o /dev/null
+    check 4001 nowhere lsbake cut.ply -o nowhere/scene.lspace
+    check 4002 a_folder lsbake cut.ply -o a_folder
+    check 4002 out/new/ lsbake cut.ply -o out/new/
+    check 4003 /dev/null lsbake cut.ply -o /dev/null
     # Outputs that are inputs, by their own name and by others.
     cp good.ply out/scene.ply
     ln -s scene.ply out/link.ply
@@ -344,7 +361,7 @@ check_bake()
     check 1007 out/key.json lsbake good.ply --material out/key.json -o out/key.json
     # More room than the thread sanitizer takes for itself, less than the bunny.
     for output in out/full.lspace out/older.lspace; do
-        check_full 3000 3 "$output" lsbake "$scenes/bunny.ply" --grid 8 --patches 1 -o "$output"
+        check_full 3000 4101 "$output" lsbake "$scenes/bunny.ply" --grid 8 --patches 1 -o "$output"
     done
     check_killed 0.02 0.05 0.1 0.2 0.3
     [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))

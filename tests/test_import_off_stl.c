@@ -197,7 +197,7 @@ static void test_off_refused(void** state)
         {"OFF\n3\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
         {"OFF\n-3 1 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
         {"OFF\n3 1.5 0\n", LS_MESSAGE_OFF_HEADER, "numbers of vertices"},
-        {"OFF\n4000000000 1 0\n0 0 0\n", LS_MESSAGE_OFF_LIMIT, "2147483647"},
+        {"OFF\n4000000000 1 0\n0 0 0\n", LS_MESSAGE_LIMIT_MESH, "2147483647"},
         {"OFF\n3 999999999 0\n0 0 0\n", LS_MESSAGE_OFF_CUT, "do not fit"},
         {"OFF\n3 1 0\n0 0 0.00000\n1 0 0.00000\n0 1 0.00000\n", LS_MESSAGE_OFF_CUT, "cut short"},
         {"OFF\n3 1 0\n" OFF_POINTS "3 0 1 3\n", LS_MESSAGE_OFF_CORNER, "face 0"},
@@ -393,7 +393,7 @@ static void test_stl_refused(void** state)
     memcpy(bytes + 80, &facets, sizeof facets);
     write_mesh_bytes("a.stl", bytes, 84);
     assert_int_equal(truncate(find_mesh_path("a.stl"), 84 + (off_t)facets * 50), 0);
-    check_mesh_refused("a.stl", LS_MESSAGE_STL_LIMIT, "split");
+    check_mesh_refused("a.stl", LS_MESSAGE_LIMIT_MESH, "split");
 }
 
 // Bytes behind the facets, and attributes: taken with a warning.

@@ -56,7 +56,7 @@ static void test_refused(void** state)
         {VERTICES "property int128 w\n" FACES END, LS_MESSAGE_PLY_TYPE, "int128"},
         {VERTICES "element face 1\nproperty list float int vertex_indices\n" END,
          LS_MESSAGE_PLY_TYPE, "float"},
-        {ASCII "element vertex 99999999999\n" XYZ FACES END POINTS, LS_MESSAGE_PLY_LIMIT,
+        {ASCII "element vertex 99999999999\n" XYZ FACES END POINTS, LS_MESSAGE_LIMIT_MESH,
          "2147483647"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)

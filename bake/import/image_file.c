@@ -18,7 +18,6 @@
 #define STBI_NO_PIC
 #define STBI_NO_GIF
 #define STBI_NO_PSD
-#define STBI_MAX_DIMENSIONS LS_MAX_IMAGE_SIDE
 #include <stb_image.h>
 
 static_assert(sizeof(uint32_t) == 4 * sizeof(stbi_uc), "a pixel is four bytes");

@@ -220,7 +220,7 @@ static LsResult count_records(Obj* obj)
                             "%s: no vertex and no face in it; is it an OBJ file?", obj->lines.path);
     if (counts->positions > INT_MAX || counts->texcoords >= LS_NONE || counts->normals >= LS_NONE ||
         counts->triangles >= LS_NONE)
-        return ls_error_set(obj->lines.error, LS_MESSAGE_OBJ_LIMIT,
+        return ls_error_set(obj->lines.error, LS_MESSAGE_LIMIT_MESH,
                             "%s: more than 2147483647 vertices or 4294967294 triangles; split it",
                             obj->lines.path);
     return LS_OK;

@@ -75,7 +75,7 @@ static LsResult fail_index(const Ply* ply, Place place, double index)
 
 static LsResult fail_limit(const Ply* ply)
 {
-    return ls_error_set(ply->reader.error, LS_MESSAGE_PLY_LIMIT,
+    return ls_error_set(ply->reader.error, LS_MESSAGE_LIMIT_MESH,
                         "%s: more than 2147483647 vertices or 4294967294 triangles; split the mesh",
                         ply->reader.path);
 }

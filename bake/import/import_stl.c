@@ -26,7 +26,7 @@ static LsResult add_mesh(LsInput* input, const char* path, uint64_t facet_count,
                          LsError* error)
 {
     if (facet_count > INT_MAX / 3)
-        return ls_error_set(error, LS_MESSAGE_STL_LIMIT, "%s: more than %d facets; split the mesh",
+        return ls_error_set(error, LS_MESSAGE_LIMIT_MESH, "%s: more than %d facets; split the mesh",
                             path, INT_MAX / 3);
     // Positions of three vertices, three indices and a material.
     const LsResult result = ls_input_reserve(input, path, facet_count * 52, facet_count, error);

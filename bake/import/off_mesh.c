@@ -18,7 +18,7 @@ LsResult ls_off_check_counts(const LsOff* off)
 {
     if (off->vertex_count <= INT_MAX && off->face_count < LS_NONE && off->triangle_count < LS_NONE)
         return LS_OK;
-    return ls_error_set(off->error, LS_MESSAGE_OFF_LIMIT,
+    return ls_error_set(off->error, LS_MESSAGE_LIMIT_MESH,
                         "%s: more than 2147483647 vertices or 4294967294 triangles; split the mesh",
                         off->path);
 }

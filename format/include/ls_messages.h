@@ -58,7 +58,6 @@
     X(PLY_NUMBER, 3006)          \
     X(PLY_CORNER, 3101)          \
     X(PLY_TYPE, 3501)            \
-    X(PLY_LIMIT, 3701)           \
     X(PLY_HEADER_LIMIT, 3702)    \
     X(PLY_PROPERTIES_LEFT, 3801) \
     X(PLY_ELEMENT_LEFT, 3802)    \
@@ -74,7 +73,6 @@
     X(MTL_NUMBER, 3022)      \
     X(TEXT_ZERO_BYTE, 3023)  \
     X(OBJ_CORNER, 3120)      \
-    X(OBJ_LIMIT, 3720)       \
     X(OBJ_LIBRARY, 3820)     \
     X(OBJ_MATERIAL, 3821)    \
     X(OBJ_STATEMENT, 3822)   \
@@ -95,7 +93,6 @@
     X(OFF_LAYOUT, 3043)      \
     X(OFF_CORNER, 3140)      \
     X(OFF_DIMENSION, 3540)   \
-    X(OFF_LIMIT, 3740)       \
     X(OFF_REST, 3840)        \
     X(OFF_SMALL_FACES, 3841) \
     X(OFF_FACE_COLORS, 3842) \
@@ -107,7 +104,6 @@
     X(STL_CUT, 3056)       \
     X(STL_NUMBER, 3057)    \
     X(STL_SIZE, 3058)      \
-    X(STL_LIMIT, 3755)     \
     X(STL_COLORS, 3855)    \
     X(STL_TRAILING, 3856)
 
@@ -180,6 +176,7 @@
     X(INPUT_ENDING, 3590)     \
     X(LIMIT_TRIANGLES, 3790)  \
     X(LIMIT_MEMORY, 3791)     \
+    X(LIMIT_MESH, 3793)       \
     X(LIMIT_FILE_BYTES, 3799) \
     X(PICTURE_NOT_FINITE, 3899)
 
