@@ -159,11 +159,11 @@ check_lspace()
 {
     local program=$1
     shift
-    check 2 missing.lspace "$program" "$@" missing.lspace "${tail[@]}"
-    check 2 empty.lspace "$program" "$@" empty.lspace "${tail[@]}"
-    check 2 a_folder "$program" "$@" a_folder "${tail[@]}"
-    check 4 foreign.lspace "$program" "$@" foreign.lspace "${tail[@]}"
-    check 4 good.ply "$program" "$@" good.ply "${tail[@]}"
+    check 2001 missing.lspace "$program" "$@" missing.lspace "${tail[@]}"
+    check 2201 empty.lspace "$program" "$@" empty.lspace "${tail[@]}"
+    check 2301 a_folder "$program" "$@" a_folder "${tail[@]}"
+    check 5001 foreign.lspace "$program" "$@" foreign.lspace "${tail[@]}"
+    check 5001 good.ply "$program" "$@" good.ply "${tail[@]}"
     local size kept
     size=$(stat -c %s good.lspace)
     for kept in 1 100 256 300 4095 4096 8192 $((size / 2)) $((size - 1)); do
@@ -370,11 +370,11 @@ check_bake()
     check_unheard 4004 lsbake good.ply -o good.lspace
     check_unheard 4004 lsbake good.ply -o good.lspace --force
     check_unheard 4004 lsbake good.ply -o good.lspace --force --report json
-    check_usage lsinfo
-    check_unheard lsinfo good.lspace
-    check_unheard lsinfo --json good.lspace
-    check_unheard lsinfo check good.lspace
-    check 1 "--frobnicate" lsinfo check --frobnicate good.lspace
+    check_usage lsinfo 1060 1061 4004
+    check_unheard 4004 lsinfo good.lspace
+    check_unheard 4004 lsinfo --json good.lspace
+    check_unheard 4004 lsinfo check good.lspace
+    check 1060 "--frobnicate" lsinfo check --frobnicate good.lspace
     local tail=()
     check_lspace lsinfo
     check_lspace lsinfo --json
@@ -398,54 +398,64 @@ check_runtime()
     echo "older hits" > out/older.bin
     echo "an older picture" > out/older.png
 
-    check_usage lstrace
+    check_usage lstrace 1020 1022 4004
     local tail=(--rays rays.bin -o out/hits.bin)
     check_lspace lstrace
-    check 1 "--rays" lstrace good.lspace -o out/hits.bin
-    check 1 "-o" lstrace good.lspace --rays rays.bin
-    check 1 "guess" lstrace good.lspace --rays rays.bin -o out/hits.bin --method guess
-    check 1 "--repeat" lstrace good.lspace --rays rays.bin -o out/hits.bin --repeat 0
-    check 2 missing.bin lstrace good.lspace --rays missing.bin -o out/hits.bin
-    check 2 a_folder lstrace good.lspace --rays a_folder -o out/hits.bin
-    check 2 odd.bin lstrace good.lspace --rays odd.bin -o out/hits.bin
-    check 2 odd.bin lstrace good.lspace --rays odd.bin -o out/older.bin
-    check 3 a_folder lstrace good.lspace --rays rays.bin -o a_folder
-    check 3 nowhere lstrace good.lspace --rays rays.bin -o nowhere/hits.bin
-    check 3 nowhere lstrace missing.lspace --rays rays.bin -o nowhere/hits.bin
-    check 3 a_folder lstrace good.lspace --rays odd.bin -o a_folder
+    check 1022 "--rays" lstrace good.lspace -o out/hits.bin
+    check 1022 "-o" lstrace good.lspace --rays rays.bin
+    check 1021 "guess" lstrace good.lspace --rays rays.bin -o out/hits.bin --method guess
+    check 1021 "--repeat" lstrace good.lspace --rays rays.bin -o out/hits.bin --repeat 0
+    check 2001 missing.bin lstrace good.lspace --rays missing.bin -o out/hits.bin
+    check 2301 a_folder lstrace good.lspace --rays a_folder -o out/hits.bin
+    check 3099 odd.bin lstrace good.lspace --rays odd.bin -o out/hits.bin
+    check 3099 odd.bin lstrace good.lspace --rays odd.bin -o out/older.bin
+    check 4002 a_folder lstrace good.lspace --rays rays.bin -o a_folder
+    check 4001 nowhere lstrace good.lspace --rays rays.bin -o nowhere/hits.bin
+    check 4001 nowhere lstrace missing.lspace --rays rays.bin -o nowhere/hits.bin
+    check 4002 a_folder lstrace good.lspace --rays odd.bin -o a_folder
     cp good.lspace rays.bin out
     ln -s rays.bin out/link.bin
-    check 1 out/good.lspace lstrace out/good.lspace --rays rays.bin -o out/good.lspace
-    check 1 out/link.bin lstrace good.lspace --rays out/rays.bin -o out/link.bin
-    check_unheard lstrace good.lspace --rays rays.bin -o -
-    check_unheard lstrace good.lspace --rays rays.bin -o hits.bin
+    check 1023 out/good.lspace lstrace out/good.lspace --rays rays.bin -o out/good.lspace
+    check 1023 out/link.bin lstrace good.lspace --rays out/rays.bin -o out/link.bin
+    check_unheard 4101 lstrace good.lspace --rays rays.bin -o -
+    check_unheard 4004 lstrace good.lspace --rays rays.bin -o hits.bin
     check_full 4 3 out/hits.bin lstrace good.lspace --rays rays.bin -o out/hits.bin --quiet
     check_full 4 3 out/older.bin lstrace good.lspace --rays rays.bin -o out/older.bin --quiet
 
-    check_usage lsview
+    check_usage lsbench 1070 1072 4004
+    tail=()
+    check_lspace lsbench
+    local value
+    for value in "--size 640" "--size 0x10" "--repeat 0" "--repeat x" "--check -1"; do
+        # shellcheck disable=SC2086
+        check 1071 "${value%% *}" lsbench good.lspace $value
+    done
+    check_unheard 4004 lsbench good.lspace --size 16x9 --repeat 1
+
+    check_usage lsview 1040 1042 4004
     tail=(-o out/picture.png)
     check_lspace lsview --headless
-    check 1 "-o" lsview --headless good.lspace
-    check 1 "--headless" lsview good.lspace -o out/picture.png
+    check 1042 "-o" lsview --headless good.lspace
+    check 1044 "--headless" lsview good.lspace -o out/picture.png
     local option
     for option in "--size 640" "--size 0x10" "--size axb" "--samples 0" "--samples x" "--depth 0" "--seed -1" \
         "--report xml"; do
         # shellcheck disable=SC2086
-        check 1 "${option##* }" lsview --headless good.lspace -o out/picture.png $option
+        check 1041 "${option##* }" lsview --headless good.lspace -o out/picture.png $option
     done
-    check 3 a_folder lsview --headless good.lspace -o a_folder
-    check 3 nowhere lsview --headless good.lspace -o nowhere/picture.png
+    check 4002 a_folder lsview --headless good.lspace -o a_folder
+    check 4001 nowhere lsview --headless good.lspace -o nowhere/picture.png
     check 3 out/new/ lsview --headless good.lspace -o out/new/
-    check 3 a_folder lsview --headless missing.lspace -o out/picture.png --exr a_folder
+    check 4002 a_folder lsview --headless missing.lspace -o out/picture.png --exr a_folder
     check 3 /dev/null lsview --headless missing.lspace -o /dev/null
     check 3 /dev/null lsview --headless missing.lspace -o out/picture.png --exr /dev/null
-    check 1 out/good.lspace lsview --headless out/good.lspace -o out/good.lspace
-    check 1 out/good.lspace lsview --headless out/good.lspace -o out/picture.png --exr out/good.lspace
+    check 1043 out/good.lspace lsview --headless out/good.lspace -o out/good.lspace
+    check 1043 out/good.lspace lsview --headless out/good.lspace -o out/picture.png --exr out/good.lspace
     ln -s older.png out/link.png
-    check 1 "--exr" lsview --headless good.lspace -o out/picture.png --exr out/picture.png
-    check 1 "--exr" lsview --headless good.lspace -o out/older.png --exr out/link.png
-    check_unheard lsview --headless good.lspace -o picture.png --size 16x9 --samples 1
-    check_unheard lsview --headless good.lspace -o picture.png --size 16x9 --samples 1 --report json
+    check 1043 "--exr" lsview --headless good.lspace -o out/picture.png --exr out/picture.png
+    check 1043 "--exr" lsview --headless good.lspace -o out/older.png --exr out/link.png
+    check_unheard 4004 lsview --headless good.lspace -o picture.png --size 16x9 --samples 1
+    check_unheard 4004 lsview --headless good.lspace -o picture.png --size 16x9 --samples 1 --report json
     local small=(--size 160x90 --samples 1 --quiet)
     check_full 4 3 out/picture.png lsview --headless good.lspace -o out/picture.png "${small[@]}"
     check_full 4 3 out/older.png lsview --headless good.lspace -o out/older.png "${small[@]}"

@@ -180,8 +180,10 @@ static void test_bake_knows_its_inputs(void** state)
         LsError error = {0};
         assert_int_equal(ls_bake_run(&desc, &report, &error), LS_OK);
         assert_false(report.up_to_date);
+        ls_bake_report_destroy(&report);
         assert_int_equal(ls_bake_run(&desc, &report, &error), LS_OK);
         assert_true(report.up_to_date);
+        ls_bake_report_destroy(&report);
     }
 }
 

@@ -34,6 +34,9 @@
     X(LSINFO_OPTION, 1060)         \
     X(LSINFO_FILES, 1061)          \
     X(LSINFO_COMMAND, 1062)        \
+    X(LSBENCH_OPTION, 1070)        \
+    X(LSBENCH_VALUE, 1071)         \
+    X(LSBENCH_FILES, 1072)         \
     X(TRACE_METHOD, 1080)          \
     X(TRACE_FLAGS, 1081)           \
     X(TRACE_TIMES, 1082)           \

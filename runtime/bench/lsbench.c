@@ -67,10 +67,17 @@ typedef struct Bench
 
 // ---- Arguments ---------------------------------------------------------------------------------
 
-static LsExit refuse_usage(const char* problem, const char* argument)
+static LsExit report(const LsError* error)
 {
-    fprintf(stderr, "lsbench: %s%s; see lsbench --help\n", problem, argument);
-    return LS_EXIT_USAGE;
+    fprintf(stderr, "lsbench: error %u: %s\n", error->message, error->text);
+    return ls_result_exit_code(error->result);
+}
+
+static LsExit refuse_usage(LsMessage message, const char* problem, const char* argument)
+{
+    LsError error;
+    ls_error_set(&error, message, "%s%s; see lsbench --help", problem, argument);
+    return report(&error);
 }
 
 // A number up to `largest` that ends at `end`.
@@ -110,7 +117,7 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
     *options = (Options){.width = 1280, .height = 720, .repeats = 21, .checks = 20000};
     *done = true;
     const char* rest;
-    for (int option; (option = getopt_long(argc, argv, "", names, NULL)) != -1;)
+    for (int option; (option = getopt_long(argc, argv, ":", names, NULL)) != -1;)
     {
         switch (option)
         {
@@ -119,20 +126,23 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
                 !parse_number(rest, '\0', MAX_SIDE, &options->height, &rest) ||
                 options->width == 0 || options->height == 0)
             {
-                return refuse_usage("--size takes WIDTHxHEIGHT, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE, "--size takes WIDTHxHEIGHT, not ",
+                                    optarg);
             }
             break;
         case REPEAT:
             if (!parse_number(optarg, '\0', MAX_REPEATS, &options->repeats, &rest) ||
                 options->repeats == 0)
             {
-                return refuse_usage("--repeat takes a number from 1 to 1000, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE,
+                                    "--repeat takes a number from 1 to 1000, not ", optarg);
             }
             break;
         case CHECK:
             if (!parse_number(optarg, '\0', UINT32_MAX, &options->checks, &rest))
             {
-                return refuse_usage("--check takes a number, not ", optarg);
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE, "--check takes a number, not ",
+                                    optarg);
             }
             break;
         case DEVICE:
@@ -144,13 +154,16 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         case VERSION:
             puts("lsbench " LS_VERSION_TEXT);
             return LS_EXIT_OK;
-        default: // getopt_long has named it
-            return LS_EXIT_USAGE;
+        case ':':
+            return refuse_usage(LS_MESSAGE_LSBENCH_OPTION, "a value is missing after ",
+                                argv[optind - 1]);
+        default:
+            return refuse_usage(LS_MESSAGE_LSBENCH_OPTION, "unknown option ", argv[optind - 1]);
         }
     }
     if (argc - optind != 1)
     {
-        return refuse_usage("one .lspace file is wanted", "");
+        return refuse_usage(LS_MESSAGE_LSBENCH_FILES, "one .lspace file is wanted", "");
     }
     options->scene_path = argv[optind];
     *done = false;
@@ -317,21 +330,20 @@ int main(int argc, char** argv)
     Options options;
     bool done;
     LsExit code = parse_options(argc, argv, &options, &done);
-    if (done)
-    {
-        return code;
-    }
     LsError error;
-    const LsResult result = run_bench(&bench, &options, &error);
-    if (result == LS_OK)
+    if (!done)
     {
-        code = print_report(&bench, &options) == 0 ? LS_EXIT_OK : LS_EXIT_DEVICE;
+        const LsResult result = run_bench(&bench, &options, &error);
+        code = result != LS_OK                       ? report(&error)
+               : print_report(&bench, &options) == 0 ? LS_EXIT_OK
+                                                     : LS_EXIT_DEVICE;
+        close_bench(&bench);
     }
-    else
+    if (code == LS_EXIT_OK && (fflush(stdout) != 0 || ferror(stdout)))
     {
-        fprintf(stderr, "lsbench: error %u: %s\n", error.message, error.text);
-        code = ls_result_exit_code(result);
+        ls_error_set(&error, LS_MESSAGE_OUTPUT_STANDARD,
+                     "standard output cannot be written; is the disk full?");
+        code = report(&error);
     }
-    close_bench(&bench);
     return code;
 }

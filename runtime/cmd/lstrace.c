@@ -1,5 +1,6 @@
 // lstrace.c - a file of rays in, a file of hits out.
 
+#include "app_scene.h"
 #include "app_trace.h"
 #include "out_file.h"
 
@@ -65,13 +66,9 @@ typedef struct RayFile
 // Everything that lives while rays are traced.
 typedef struct Trace
 {
-    LsMapping mapping;
-    LsFile file;
+    LsAppScene scene;
     RayFile rays;
     LsOutFile hits;
-    LsAppDevice device;
-    LsContext* context;
-    LsScene* scene;
     LsAppTracer tracer;
     uint64_t traced_count;
     uint64_t hit_count;
@@ -299,26 +296,16 @@ static LsResult read_rays(const RayFile* rays, uint64_t rays_before, LsRay* into
 
 // ---- Tracing -----------------------------------------------------------------------------------
 
-static LsResult open_scene_file(Trace* trace, const char* path, LsError* error)
-{
-    LsResult result = ls_mapping_open(&trace->mapping, path, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    return ls_file_open(&trace->file, trace->mapping.bytes, trace->mapping.size, path, error);
-}
-
 // As many rays at a time as were asked for, are there, and fit.
 static LsResult create_tracer(Trace* trace, uint32_t batch, LsError* error)
 {
-    uint64_t capacity = trace->device.max_buffer_bytes / LS_APP_TRACER_RAY_BYTES;
+    uint64_t capacity = trace->scene.device.max_buffer_bytes / LS_APP_TRACER_RAY_BYTES;
     capacity = batch < capacity ? batch : capacity;
     capacity = trace->rays.ray_count < capacity ? trace->rays.ray_count : capacity;
     for (;;)
     {
         LsResult result =
-            ls_app_tracer_create(&trace->device, (uint32_t)capacity, &trace->tracer, error);
+            ls_app_tracer_create(&trace->scene.device, (uint32_t)capacity, &trace->tracer, error);
         if (result != LS_ERROR_DEVICE_MEMORY || capacity / 2 < SMALLEST_BATCH)
         {
             return result;
@@ -332,45 +319,24 @@ static LsResult open_trace(Trace* trace, const Options* options, LsError* error)
     LsResult result = ls_out_file_open(&trace->hits, options->hits_path, error);
     if (result == LS_OK)
     {
-        result = open_scene_file(trace, options->scene_path, error);
-    }
-    if (result == LS_OK)
-    {
         result = open_rays(&trace->rays, options->rays_path, error);
     }
     if (result == LS_OK)
     {
-        LsAppDeviceDesc desc = {.device_name = options->device_name};
-        result = ls_app_device_create(&trace->device, &desc, error);
-    }
-    if (result == LS_OK)
-    {
-        LsContextDesc desc = ls_app_context_desc(&trace->device);
-        result = ls_context_create(&desc, &trace->context, error);
-    }
-    if (result == LS_OK)
-    {
-        result = ls_scene_create(trace->context, &trace->file, options->scene_path, &trace->scene,
-                                 error);
+        result = ls_app_scene_open(&trace->scene, options->scene_path, options->device_name, error);
     }
     return result == LS_OK ? create_tracer(trace, options->batch, error) : result;
 }
 
 static void close_trace(Trace* trace)
 {
-    if (trace->device.device)
-    {
-        ls_app_tracer_destroy(&trace->device, &trace->tracer);
-        ls_scene_destroy(trace->scene);
-        ls_context_destroy(trace->context);
-    }
-    ls_app_device_destroy(&trace->device);
+    ls_app_tracer_destroy(&trace->scene.device, &trace->tracer);
+    ls_app_scene_close(&trace->scene);
     ls_out_file_drop(&trace->hits);
     if (trace->rays.name && trace->rays.descriptor >= 0)
     {
         close(trace->rays.descriptor);
     }
-    ls_mapping_close(&trace->mapping);
 }
 
 static LsResult trace_batch(Trace* trace, const Options* options, uint32_t count, LsError* error)
@@ -380,8 +346,8 @@ static LsResult trace_batch(Trace* trace, const Options* options, uint32_t count
     for (uint32_t i = 0; i < repeats; i++)
     {
         double seconds;
-        LsResult result =
-            ls_app_tracer_run(&trace->device, &trace->tracer, trace->scene, &run, &seconds, error);
+        LsResult result = ls_app_tracer_run(&trace->scene.device, &trace->tracer,
+                                            trace->scene.scene, &run, &seconds, error);
         if (result != LS_OK)
         {
             return result;
@@ -461,9 +427,9 @@ static void print_summary(Trace* trace, const Options* options)
                 trace->traced_count, trace->hit_count, 100.0 * (double)trace->hit_count / rays,
                 options->method == LS_TRACE_EXACT ? "exact" : "brute force",
                 options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit",
-                trace->device.name);
+                trace->scene.device.name);
     }
-    if (options->repeats && trace->device.timestamp_seconds == 0)
+    if (options->repeats && trace->scene.device.timestamp_seconds == 0)
     {
         fprintf(stream, "GPU time: unknown, the device has no timestamps\n");
     }

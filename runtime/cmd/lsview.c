@@ -1,5 +1,6 @@
 // lsview - renders an .lspace file; so far without a window.
 
+#include "app_scene.h"
 #include "image.h"
 #include "ls_write.h"
 #include "render.h"
@@ -328,28 +329,6 @@ static LsResult render_scene(const LsAppDevice* device, const LsScene* scene, co
     return result;
 }
 
-static LsResult run_on_device(const LsAppDevice* device, const LsFile* file, const Options* options,
-                              double program_begin, Report* report, LsError* error)
-{
-    LsContextDesc desc = ls_app_context_desc(device);
-    LsContext* context;
-    LsResult result = ls_context_create(&desc, &context, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    LsScene* scene;
-    result = ls_scene_create(context, file, options->input, &scene, error);
-    if (result == LS_OK)
-    {
-        report->scene_bytes = ls_scene_device_bytes(scene);
-        result = render_scene(device, scene, file, options, program_begin, report, error);
-        ls_scene_destroy(scene);
-    }
-    ls_context_destroy(context);
-    return result;
-}
-
 static void print_table(const LsAppDevice* device, const Options* options, const Report* report)
 {
     double samples = (double)options->width * options->height * report->stats.sample_count;
@@ -427,24 +406,14 @@ static LsResult run(const Options* options, double program_begin, LsError* error
         return result;
     }
 
-    LsMapping mapping;
-    result = ls_mapping_open(&mapping, options->input, error);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    LsFile file;
-    LsAppDevice device = {0};
+    LsAppScene scene;
     Report report = {0};
-    result = ls_file_open(&file, mapping.bytes, mapping.size, options->input, error);
+    result = ls_app_scene_open(&scene, options->input, options->device_name, error);
     if (result == LS_OK)
     {
-        LsAppDeviceDesc desc = {.device_name = options->device_name};
-        result = ls_app_device_create(&device, &desc, error);
-    }
-    if (result == LS_OK)
-    {
-        result = run_on_device(&device, &file, options, program_begin, &report, error);
+        report.scene_bytes = ls_scene_device_bytes(scene.scene);
+        result = render_scene(&scene.device, scene.scene, &scene.file, options, program_begin,
+                              &report, error);
     }
     if (result == LS_OK && report.stats.invalid_samples > 0)
     {
@@ -454,16 +423,15 @@ static LsResult run(const Options* options, double program_begin, LsError* error
             "too bright for float\n",
             (int)LS_MESSAGE_PICTURE_NOT_FINITE, options->input, report.stats.invalid_samples);
     }
-    if (result == LS_OK && options->json && !print_json(&device, options, &report))
+    if (result == LS_OK && options->json && !print_json(&scene.device, options, &report))
     {
         result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "no memory for the report");
     }
     else if (result == LS_OK && !options->json && !options->quiet)
     {
-        print_table(&device, options, &report);
+        print_table(&scene.device, options, &report);
     }
-    ls_app_device_destroy(&device);
-    ls_mapping_close(&mapping);
+    ls_app_scene_close(&scene);
     return result;
 }
 
