@@ -2,18 +2,19 @@
 
 #include "ls_base.h"
 
+#include <assert.h>
 #include <stdarg.h>
 #include <stddef.h>
 #include <stdio.h>
 
 LsResult ls_error_set(LsError* error, int message, const char* format, ...)
 {
-    // Until every place has its number, a bare LsResult is taken as well.
-    LsResult result = (LsResult)(message < 1000 ? message : message / 100);
+    assert(message >= 1000); // an LsResult has two digits
+    const LsResult result = (LsResult)(message / 100);
     if (error != NULL)
     {
         error->result = result;
-        error->message = message < 1000 ? 0 : (uint32_t)message;
+        error->message = (uint32_t)message;
         va_list arguments;
         va_start(arguments, format);
         vsnprintf(error->text, sizeof(error->text), format, arguments);

@@ -14,7 +14,7 @@
 // A wrong that ends the import; `text` says what and what to do, without the name of the file.
 struct Failure
 {
-    int message; // an LsMessage
+    LsMessage message;
     std::string text;
 };
 
@@ -28,7 +28,7 @@ struct Reported
 // LsMessage of exceptions that only a library can throw.
 template <class Import>
 LsResult run_guarded(const char* path, LsError* error, const Import& import,
-                     int unexpected = LS_ERROR_INPUT_FORMAT) noexcept
+                     LsMessage unexpected) noexcept
 {
     try
     {

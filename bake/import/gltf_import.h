@@ -189,7 +189,7 @@ inline std::string gltf_describe(const char* kind, size_t index, const std::stri
     return text;
 }
 
-[[noreturn]] inline void gltf_fail(int message, const std::string& text)
+[[noreturn]] inline void gltf_fail(LsMessage message, const std::string& text)
 {
     throw Failure{message, text + "; export the scene again"};
 }
