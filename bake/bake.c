@@ -14,6 +14,7 @@
 
 #include <math.h>
 #include <omp.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
@@ -133,7 +134,7 @@ static LsResult import_all(Bake* bake, LsError* error)
     return ls_compose(&bake->input, bake->desc, note_import, bake, error);
 }
 
-// Whether the output is a sound file of just this input.
+// Whether the output is a sound file of just this input: every rule and every hash holds.
 static bool is_up_to_date(Bake* bake)
 {
     LsMapping mapping;
@@ -144,7 +145,9 @@ static bool is_up_to_date(Bake* bake)
     LsFile file;
     bool current =
         ls_file_open(&file, mapping.bytes, mapping.size, bake->desc->output, NULL) == LS_OK &&
-        memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0;
+        memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0 &&
+        ls_file_check_hashes(&file, bake->desc->output, NULL) == LS_OK &&
+        ls_file_check(&file, bake->desc->output, NULL) == LS_OK;
     bake->report.file_bytes = mapping.size;
     ls_mapping_close(&mapping);
     return current;
@@ -345,10 +348,26 @@ static LsResult pack_all(Bake* bake, LsError* error)
     return result;
 }
 
+// Linux tells it of this program alone; getrusage's figure may be that of the one that started it.
 static uint64_t peak_memory(void)
 {
+    unsigned long long kilobytes = 0;
+    FILE* file = fopen("/proc/self/status", "r");
+    char line[256];
+    while (file != NULL && kilobytes == 0 && fgets(line, sizeof line, file) != NULL)
+    {
+        sscanf(line, "VmHWM: %llu", &kilobytes);
+    }
+    if (file != NULL)
+    {
+        fclose(file);
+    }
     struct rusage usage;
-    return getrusage(RUSAGE_SELF, &usage) == 0 ? (uint64_t)usage.ru_maxrss * 1024 : 0;
+    if (kilobytes == 0 && getrusage(RUSAGE_SELF, &usage) == 0)
+    {
+        kilobytes = (unsigned long long)usage.ru_maxrss;
+    }
+    return kilobytes * 1024;
 }
 
 static LsResult run_stages(Bake* bake, LsError* error)
@@ -361,7 +380,8 @@ static LsResult run_stages(Bake* bake, LsError* error)
         return result;
     }
     ls_source_hash(&bake->input, bake->desc, bake->patches, bake->source_hash);
-    if (!bake->desc->force && is_up_to_date(bake))
+    // Warnings of the mesh stage are found out by baking alone, so a strict bake takes no short cut.
+    if (!bake->desc->force && !bake->desc->strict && is_up_to_date(bake))
     {
         bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
         return LS_OK;

@@ -171,8 +171,8 @@ static Run run_at(const Table* table, uint32_t low, uint64_t begin)
     return (Run){low, table->sides[begin].high, begin, end - begin};
 }
 
-// The edge between two vertices, which is there.
-static Run find_run(const Table* table, uint32_t a, uint32_t b)
+// Where the edge between two vertices begins, which is there.
+static uint64_t find_begin(const Table* table, uint32_t a, uint32_t b)
 {
     uint32_t low = a < b ? a : b, high = a < b ? b : a;
     uint64_t begin = table->first[low], end = table->first[low + 1];
@@ -188,7 +188,25 @@ static Run find_run(const Table* table, uint32_t a, uint32_t b)
             end = middle;
         }
     }
-    return run_at(table, low, begin);
+    return begin;
+}
+
+static Run find_run(const Table* table, uint32_t a, uint32_t b)
+{
+    return run_at(table, a < b ? a : b, find_begin(table, a, b));
+}
+
+// The same with a count of at most 3: edges of very many faces are not counted again and again.
+static Run find_short_run(const Table* table, uint32_t a, uint32_t b)
+{
+    const uint32_t low = a < b ? a : b, high = a < b ? b : a;
+    const uint64_t begin = find_begin(table, a, b), limit = table->first[low + 1];
+    uint64_t end = begin + 1;
+    while (end < limit && end - begin < 3 && table->sides[end].high == high)
+    {
+        end++;
+    }
+    return (Run){low, high, begin, end - begin};
 }
 
 // ---- Parts --------------------------------------------------------------------------------------
@@ -378,7 +396,7 @@ static Run next_edge(const Table* table, Step* step)
     for (;;)
     {
         uint32_t third = third_corner(table->faces, step->face, step->from, step->to);
-        Run run = find_run(table, step->to, third);
+        Run run = find_short_run(table, step->to, third);
         if (run.count != 2)
         {
             step->from = step->to;

@@ -232,6 +232,41 @@ static void scenes_that_cannot_be_baked(void** state)
                  LS_MESSAGE_SCENE_ALL_FLAT);
 }
 
+// An older file is taken for current only if it is sound, and not by a strict bake of what has warnings.
+static void older_outputs(void** state)
+{
+    (void)state;
+    char source[128], target[128];
+    write_text("odd.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn nan 0 0\nf 1//1 2//1 3//1\n");
+    path_in(target, "out.lspace");
+    unlink(target);
+    const LsBakeInput input = {.path = path_in(source, "odd.obj")};
+    LsBakeDesc desc = {.inputs = &input, .input_count = 1, .output = target};
+    for (int round = 0; round < 3; round++)
+    {
+        LsBakeReport report = {0};
+        LsError error = {0};
+        assert_int_equal(ls_bake_run(&desc, &report, &error), LS_OK);
+        assert_int_equal(report.up_to_date, round == 1);
+        ls_bake_report_destroy(&report);
+        if (round == 1)
+        {
+            FILE* file = fopen(target, "r+b");
+            assert_non_null(file);
+            assert_int_equal(fseek(file, -1, SEEK_END), 0);
+            const int last = fgetc(file);
+            assert_int_equal(fseek(file, -1, SEEK_END), 0);
+            assert_int_not_equal(fputc(last ^ 1, file), EOF);
+            assert_int_equal(fclose(file), 0);
+        }
+    }
+    LsError error = {0};
+    desc.strict = true;
+    assert_int_equal(ls_bake_run(&desc, NULL, &error), LS_ERROR_INPUT_WARNING);
+    unlink(target);
+    unlink(source);
+}
+
 // Shaft tables of the finest kind over very many voxels: counted before anything is allocated.
 static void tables_beyond_the_format(void** state)
 {
@@ -255,6 +290,7 @@ int main(void)
         cmocka_unit_test(json_lists_all),
         cmocka_unit_test(text_has_a_line_a_kind),
         cmocka_unit_test(scenes_that_cannot_be_baked),
+        cmocka_unit_test(older_outputs),
         cmocka_unit_test(tables_beyond_the_format),
     };
     return cmocka_run_group_tests_name("report", tests, make_folder, remove_folder);

@@ -8,7 +8,7 @@ BUILD_PACKAGES=(
     libtinygltf-dev libxxhash-dev libcjson-dev libstb-dev libtinyexr-dev
     libcmocka-dev libembree-dev
 )
-TEST_PACKAGES=(clang libomp-dev assimp-testmodels libcgal-demo)
+TEST_PACKAGES=(clang libclang-rt-dev libomp-dev assimp-testmodels libcgal-demo)
 
 # Installs those of the packages named that are missing, and says which.
 install_packages()

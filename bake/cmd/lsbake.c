@@ -7,6 +7,7 @@
 #include "memory_net.h"
 #include "report.h"
 
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -131,6 +132,7 @@ static LsResult bake(const BakeArguments* arguments, LsError* error)
 
 int main(int argc, char** argv)
 {
+    signal(SIGXFSZ, SIG_IGN); // a limit on the size of files makes writing fail instead
     LsError error = {0};
     BakeArguments arguments;
     LsResult result = ls_bake_arguments_parse(&arguments, argc, argv, &error);

@@ -219,7 +219,7 @@ static LsResult time_class(Bench* bench, LsRayClass class, const Options* option
                           .flags = class == LS_SHADOW_RAYS ? LS_RAY_FLAG_ANY_HIT : 0,
                           .method = LS_TRACE_EXACT};
     LsResult result = LS_OK;
-    double seconds;
+    double seconds = 0.0;
     for (uint32_t i = 0; i <= options->repeats && result == LS_OK; i++)
     {
         result = ls_app_tracer_run(&bench->scene.device, &bench->tracer, bench->scene.scene, &run,

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <getopt.h>
 #include <inttypes.h>
+#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -467,6 +468,7 @@ static LsExit run(const Options* options)
 
 int main(int argc, char** argv)
 {
+    signal(SIGXFSZ, SIG_IGN); // a limit on the size of files makes writing fail instead
     Options options;
     bool done;
     LsExit code = parse_options(argc, argv, &options, &done);
