@@ -291,10 +291,17 @@ static bool visit_edges(Table* table)
             if (run.count == 2)
             {
                 uint32_t a = side[0].face >> 1, b = side[1].face >> 1;
-                join_faces(table, a, b, ((side[0].face ^ side[1].face) & 1) == 0);
-                if (third_corner(faces, a, low, run.high) == third_corner(faces, b, low, run.high))
+                bool is_same_way = ((side[0].face ^ side[1].face) & 1) == 0;
+                bool is_twin =
+                    third_corner(faces, a, low, run.high) == third_corner(faces, b, low, run.high);
+                if (is_twin)
                 {
                     table->flags[b] |= FLAG_DUPLICATE;
+                }
+                // A face that comes twice alike is no neighbour that one could turn.
+                if (!is_twin || !is_same_way)
+                {
+                    join_faces(table, a, b, is_same_way);
                 }
             }
             else if (run.count > 2)

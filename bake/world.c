@@ -318,10 +318,49 @@ static void store_light(LsWorld* world, LsLight light, double power, double* sum
     world->lights[world->light_count++] = light;
 }
 
+// Whether the emissive triangles of all instances can be counted, before they are visited one by one.
+static LsResult bound_lights(const LsWorld* world, const LsInput* input, const LsMesh* meshes,
+                             LsError* error)
+{
+    uint32_t* emissive = calloc(input->mesh_count + 1ull, sizeof *emissive);
+    if (emissive == NULL)
+    {
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for %u objects",
+                            input->mesh_count);
+    }
+    for (uint32_t i = 0; i < input->mesh_count; i++)
+    {
+        for (uint32_t k = 0; k < meshes[i].triangle_count; k++)
+        {
+            const LsMaterial* material = &input->materials[meshes[i].triangles[k].material].core;
+            emissive[i] += (material->flags & LS_MATERIAL_EMISSIVE) != 0;
+        }
+    }
+    uint64_t count = 0; // of fewer than 2^32 instances with fewer than 2^32 each
+    uint32_t last = 0;
+    for (uint32_t i = 0; i < world->instance_count && count <= UINT32_MAX; i++)
+    {
+        last = world->instances[i].object;
+        count += emissive[last];
+    }
+    free(emissive);
+    return count <= UINT32_MAX
+               ? LS_OK
+               : ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
+                              "%s: its emissive triangles, with all instances, are more than "
+                              "4294967295 lights; place fewer, or make them dark",
+                              input->paths[input->meshes[last].input_index]);
+}
+
 // Lists the lights; selection by power.
 static LsResult list_lights(LsWorld* world, const LsInput* input, const LsMesh* meshes,
                             LsError* error)
 {
+    LsResult result = bound_lights(world, input, meshes, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
     double sum[2] = {0.0, 0.0};
     visit_lights(world, input, meshes, count_light, sum);
     if (world->light_count == 0)

@@ -149,6 +149,8 @@ static void test_json(void** state)
     check_json("{\"asset\":{\"version\":\"2.0\"}} x", LS_MESSAGE_GLTF_JSON, "line 1, column 29");
     check_json("{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"name\":\"\xff\"}]}",
                LS_MESSAGE_GLTF_JSON, "UTF-8");
+    check_json("{\"asset\":{\"version\":\"2.0\"},\"materials\\u0000x\":[{}]}", LS_MESSAGE_GLTF_JSON,
+               "zero byte");
     check_json("{\"nodes\":[]}", LS_MESSAGE_GLTF_VERSION, "no asset");
     check_json("{\"asset\":{\"version\":2}}", LS_MESSAGE_GLTF_VERSION, "no asset");
     check_json("{\"asset\":{\"version\":\"1.0\"},\"nodes\":{}}", LS_MESSAGE_GLTF_VERSION,
@@ -194,7 +196,10 @@ static void test_members(void** state)
         {"\"nodes\":[{\"mesh\":4294967296}]", "nodes[0].mesh is no whole number"},
         {"\"nodes\":[{\"mesh\":-1}]", "nodes[0].mesh"},
         {"\"nodes\":[{\"mesh\":0.5}]", "nodes[0].mesh"},
-        {"\"nodes\":[{\"mesh\":0,\"mesh\":\"b\"}]", "nodes[0].mesh is no number"},
+        {"\"nodes\":[{\"mesh\":0,\"mesh\":\"b\"}]", "nodes[0].mesh comes twice"},
+        {"\"materials\":[{}],\"materials\":[{},{}]", "materials comes twice"},
+        {"\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"POSITION\":1}}]}]",
+         "attributes.POSITION comes twice"},
         {"\"nodes\":[{\"children\":[true]}]", "nodes[0].children[0]"},
         {"\"nodes\":[{\"extensions\":{\"KHR_lights_punctual\":{}}}]", "light is missing"},
         {"\"nodes\":[3]", "nodes[0] is no object"},

@@ -58,6 +58,11 @@ static void test_corners(void** state)
     assert_null(mesh->streams[LS_STREAM_COLOR].values);
     ls_input_destroy(&input);
 
+    // A comment ends with its line, though it may end in a backslash.
+    input = import_mesh_text("a.obj", " # from C:\\scenes\\\n" POINTS "f 1 2 3\n");
+    assert_int_equal(input.meshes[0].vertex_count, 3);
+    ls_input_destroy(&input);
+
     input = import_mesh_text("a.obj", "v 0 0 0 1 0 0\nv 1 0 0\nv 0 1 0 0 1 1\n" FACE);
     const float colors[12] = {1, 0, 0, 1, 1, 1, 1, 1, 0, 1, 1, 1};
     assert_memory_equal(input.meshes[0].streams[LS_STREAM_COLOR].values, colors, sizeof colors);
@@ -99,6 +104,11 @@ static void test_warned(void** state)
                            "weight");
     check_mesh_text_warned("a.obj", "v 0 0 0 2 3\n" POINTS FACE, LS_MESSAGE_OBJ_VERTEX_REST,
                            "no colour");
+    check_mesh_text_warned("a.obj", "v 0 0 0 1 .1 .2 .3\n" POINTS FACE, LS_MESSAGE_OBJ_VERTEX_REST,
+                           "no colour");
+    LsInput rest = import_mesh_text("a.obj", "v 0 0 0 1 .1 .2 .3\n" POINTS FACE);
+    assert_null(rest.meshes[0].streams[LS_STREAM_COLOR].values);
+    ls_input_destroy(&rest);
     check_mesh_text_warned("a.obj", POINTS "s 1\n" FACE, LS_MESSAGE_OBJ_SMOOTHING, "line 4");
     check_mesh_text_warned("a.obj", POINTS "f 1 2\n" FACE, LS_MESSAGE_OBJ_SMALL_FACES, "line 4");
     check_mesh_text_warned("a.obj", POINTS, LS_MESSAGE_OBJ_POINTS, "3 vertices");

@@ -62,6 +62,14 @@ static void test_refused(void** state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check_mesh_text_refused("a.ply", cases[i].text, cases[i].message, cases[i].word);
 
+    // Zero bytes are no numbers, at the beginning of a word or within.
+    static const char zero[] = VERTICES FACES END "0 0 0\n1 \0 0\n0 1 0\n3 0 1 2\n";
+    static const char within[] = VERTICES FACES END "0 0 0\n1 0\0x 0\n0 1 0\n3 0 1 2\n";
+    write_mesh_bytes("a.ply", zero, sizeof zero - 1);
+    check_mesh_refused("a.ply", LS_MESSAGE_PLY_NUMBER, "no number");
+    write_mesh_bytes("a.ply", within, sizeof within - 1);
+    check_mesh_refused("a.ply", LS_MESSAGE_PLY_NUMBER, "no number");
+
     // More properties, and more elements, than a header may have.
     static char text[65536];
     size_t length = (size_t)sprintf(text, VERTICES);

@@ -591,6 +591,39 @@ static void transforms_have_numbers(void** state)
     }
 }
 
+// More lights than 32 bits count, of few triangles and few instances.
+static void lights_beyond_counting(void** state)
+{
+    (void)state;
+    enum
+    {
+        COUNT = 65537
+    };
+    LsTriangle* triangles = calloc(COUNT, sizeof *triangles);
+    assert_non_null(triangles);
+    for (uint32_t i = 0; i < COUNT; i++)
+    {
+        triangles[i] = (LsTriangle){.v1 = {1, 0, 0}, .v2 = {0, 1, 0}, .primitive = i};
+    }
+    LsInput input = begin_input();
+    add_cube(&input);
+    input.materials[0].core.flags = LS_MATERIAL_EMISSIVE;
+    input.materials[0].core.emission = (LsVec3){1, 1, 1};
+    while (input.instance_count < COUNT)
+    {
+        LsInputInstance* added = ls_input_add_instance(&input);
+        assert_non_null(added);
+        *added = input.instances[0];
+    }
+    LsMesh mesh = {.triangles = triangles, .triangle_count = COUNT, .upper = {1, 1, 0}};
+    LsWorld world;
+    LsError error = {0};
+    assert_int_equal(ls_world_create(&world, &input, &mesh, &error), LS_ERROR_INPUT_LIMIT);
+    assert_int_equal(error.message, LS_MESSAGE_LIMIT_RECORDS);
+    free(triangles);
+    end_input(&input);
+}
+
 // ---- Packing ------------------------------------------------------------------------------------
 
 // Packs meshes as they are, as lists or with a grid, with the rest of the scene.
@@ -912,6 +945,7 @@ int main(void)
         cmocka_unit_test(warnings_name_the_mesh),
         cmocka_unit_test(errors_have_numbers),
         cmocka_unit_test(transforms_have_numbers),
+        cmocka_unit_test(lights_beyond_counting),
         cmocka_unit_test(plain_scenes_have_no_looks),
         cmocka_unit_test(used_looks_are_packed_in_order),
         cmocka_unit_test(looks_follow_their_triangles),

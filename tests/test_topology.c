@@ -130,6 +130,14 @@ static void duplicates_of_any_order(void** state)
     assert_int_equal(duplicate->face, 2);
     assert_int_equal(duplicate->other, 1);
 
+    // The same face twice is nobody's to turn round, alone or in a sheet.
+    static const uint32_t twice[2][3] = {{0, 1, 2}, {1, 2, 0}};
+    Findings twins = check_faces(twice, 2, 3);
+    assert_int_equal(twins.report.duplicate_count, 1);
+    assert_int_equal(twins.report.inverted_count, 0);
+    static const uint32_t sheet[3][3] = {{0, 1, 2}, {0, 2, 3}, {0, 2, 3}};
+    assert_int_equal(check_faces(sheet, 3, 4).report.inverted_count, 0);
+
     static const uint32_t many[5][3] = {{1, 2, 0}, {0, 1, 2}, {1, 0, 3}, {0, 2, 1}, {3, 1, 0}};
     Findings five = check_faces(many, 5, 4);
     assert_int_equal(five.report.duplicate_count, 3);

@@ -124,6 +124,19 @@ size_t find_quote(const std::string& text, size_t start)
     return std::min(i, text.size());
 }
 
+// Whether a string holds a NUL. cJSON's strings end at one and tinygltf's do not, so the two would
+// read different names.
+bool has_nul(const std::string& text, size_t start, size_t end)
+{
+    for (size_t i = start + 1; i < end; i++)
+    {
+        if (text[i] == '\\' && !text.compare(i, 6, "\\u0000"))
+            return true;
+        i += text[i] == '\\';
+    }
+    return false;
+}
+
 // Counts values and looks how deep they nest, before anything is built of them.
 void check_shape(GltfImport& import)
 {
@@ -135,8 +148,14 @@ void check_shape(GltfImport& import)
         switch (text[i])
         {
         case '"':
-            i = find_quote(text, i);
+        {
+            const size_t end = find_quote(text, i);
+            if (has_nul(text, i, end))
+                gltf_fail(LS_MESSAGE_GLTF_JSON, "no readable glTF: a string holds a zero byte at " +
+                                                    describe_place(text, i));
+            i = end;
             break;
+        }
         case '[':
         case '{':
             values++;
@@ -251,6 +270,41 @@ void reserve_records(GltfImport& import)
     ls_gltf_reserve(import, bytes, 0, true);
 }
 
+// Numbers of the file are looked up among tinygltf's records and among the JSON's: both must hold the
+// same, or what is checked in one would be used in the other.
+void check_records(const GltfImport& import)
+{
+    const tinygltf::Model& model = import.model;
+    const struct
+    {
+        const char* name;
+        size_t count;
+    } arrays[] = {
+        {"accessors", model.accessors.size()},
+        {"animations", model.animations.size()},
+        {"bufferViews", model.bufferViews.size()},
+        {"cameras", model.cameras.size()},
+        {"materials", model.materials.size()},
+        {"meshes", model.meshes.size()},
+        {"nodes", model.nodes.size()},
+        {"samplers", model.samplers.size()},
+        {"scenes", model.scenes.size()},
+        {"skins", model.skins.size()},
+        {"textures", model.textures.size()},
+    };
+    for (const auto& array : arrays)
+    {
+        const cJSON* list = gltf_get_member(import.root.get(), array.name);
+        size_t count = 0;
+        for (const cJSON* item = list ? list->child : nullptr; item; item = item->next)
+            count++;
+        if (count != array.count)
+            gltf_fail(LS_MESSAGE_GLTF_MEMBER, std::string(array.name) + ": only " +
+                                                  std::to_string(array.count) + " of " +
+                                                  std::to_string(count) + " are well-formed");
+    }
+}
+
 // tinygltf finds no files.
 bool find_no_file(const std::string&, void*)
 {
@@ -312,4 +366,5 @@ void ls_gltf_read_model(GltfImport& import)
                   "no readable glTF" + (errors.empty() ? "" : " (" + errors.substr(0, 300) + ")"));
     }
     import.text = {};
+    check_records(import);
 }

@@ -6,6 +6,8 @@
 
 #include "gltf_import.h"
 
+#include <algorithm>
+
 namespace
 {
 
@@ -392,8 +394,27 @@ void check_value(const cJSON& value, const Rule& rule, const Place& place)
     }
 }
 
-// By the members that are there and not by their names, so that one that comes twice is checked
-// twice.
+// glTF wants the names of an object's members to be unique (2.0, section 2.7): of two, cJSON takes the
+// first and tinygltf the last. What is extra is nobody's business.
+void check_names(const cJSON& value, const Place* place)
+{
+    std::vector<const char*> names;
+    Place child_place = {place, nullptr, 0};
+    for (const cJSON* child = value.child; child; child = child->next, child_place.index++)
+    {
+        child_place.name = child->string;
+        if (child->string)
+            names.push_back(child->string);
+        if (child->child && !(child->string && !std::strcmp(child->string, "extras")))
+            check_names(*child, &child_place);
+    }
+    std::sort(names.begin(), names.end(),
+              [](const char* a, const char* b) { return std::strcmp(a, b) < 0; });
+    for (size_t i = 1; i < names.size(); i++)
+        if (!std::strcmp(names[i - 1], names[i]))
+            fail_member({place, names[i], 0}, "comes twice");
+}
+
 void check_object(const cJSON& object, const Rule* rules, const Place* place)
 {
     if (!cJSON_IsObject(&object))
@@ -461,6 +482,7 @@ void check_indices(const cJSON* root)
 
 void ls_gltf_check_members(GltfImport& import)
 {
+    check_names(*import.root, nullptr);
     check_object(*import.root, ROOT, nullptr);
     check_transforms(gltf_get_member(import.root.get(), "nodes"));
     check_indices(import.root.get());

@@ -169,7 +169,7 @@ static LsResult count_line(Obj* obj)
     case STATEMENT_POSITION:
         obj->counts.positions++;
         count = ls_text_count_words(arguments);
-        obj->has_colors |= count >= 6;
+        obj->has_colors |= count == 6;
         if (count == 5 || count > 6)
             set_line(&obj->rest_line, obj->lines.line_number);
         break;
@@ -299,17 +299,12 @@ static LsResult warn_of_counted(const Obj* obj)
 static LsResult read_position(Obj* obj, const char* arguments)
 {
     const uint64_t vertex = obj->done.positions++;
-    float numbers[6];
+    float numbers[7]; // one more than a position with a colour has
     if (vertex >= obj->mesh->vertex_count)
         return ls_text_lines_fail_change(&obj->lines);
-    const uint32_t count = ls_text_read_floats(arguments, numbers, 6);
-    if (count < 3 || count < 6)
-    {
-        const uint32_t word_count = ls_text_count_words(arguments);
-        if (count < 3 || count < word_count)
-            return fail(obj, LS_MESSAGE_OBJ_NUMBER,
-                        "a vertex needs three numbers; export it again");
-    }
+    const uint32_t count = ls_text_read_floats(arguments, numbers, 7);
+    if (count < 3 || (count < 7 && count < ls_text_count_words(arguments)))
+        return fail(obj, LS_MESSAGE_OBJ_NUMBER, "a vertex needs three numbers; export it again");
     memcpy(&obj->mesh->positions[3 * vertex], numbers, 3 * sizeof *numbers);
     if (count == 4 && numbers[3] != 1.0f)
         set_line(&obj->weight_line, obj->lines.line_number);

@@ -127,7 +127,8 @@ static LsResult read_number(Ply* ply, Place place, LsPlyType type, double* numbe
         return fail_cut(ply, place);
     char* end;
     *number = type >= LS_PLY_FLOAT32 ? (double)strtof(word, &end) : strtod(word, &end);
-    return *end || length == LS_WORD_BYTES
+    // Not *end: the word may hold a zero byte.
+    return length == LS_WORD_BYTES || end != word + length
                ? fail_number(ply, place, "what stands there is no number")
                : LS_OK;
 }

@@ -112,7 +112,9 @@ LsResult ls_text_lines_next(LsTextLines* lines, bool* is_end)
         while (length && isspace((unsigned char)lines->line[length - 1]))
             lines->line[--length] = 0;
         *is_end = false;
-        if (!lines->joins_lines || length == 0 || lines->line[length - 1] != '\\')
+        // A comment ends with its line: paths of Windows end in a backslash too.
+        if (!lines->joins_lines || length == 0 || lines->line[length - 1] != '\\' ||
+            lines->line[strspn(lines->line, " \t")] == '#')
             return LS_OK;
         lines->line[length - 1] = ' ';
     }

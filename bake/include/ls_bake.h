@@ -112,7 +112,8 @@ extern "C"
         uint64_t face_count;       // triangles of the input, polygons fanned
         uint64_t degenerate_count; // no area, so no ray hits them
         uint64_t duplicate_count;  // the corners of an earlier face, in any order
-        // Faces that must be turned round for all neighbours, across edges of two faces, to agree. Of
+        // Faces that must be turned round for all neighbours, across edges of two faces, to agree; two
+        // faces of the same corners in the same order are no neighbours. Of
         // the two ways to turn a part (faces connected across such edges) the one with fewer counts;
         // if both are alike, that which leaves the part's first face as it is.
         uint64_t inverted_count;

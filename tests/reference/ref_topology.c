@@ -424,9 +424,10 @@ static uint64_t count_holes(const uint32_t* corners, uint64_t corner_count, cons
 
 // ---- Orientation --------------------------------------------------------------------------------
 
-// Colours each part from its first face on, breadth first.
-static void count_inverted(LsRefTopology* out, uint32_t face_count, const bool* flat,
-                           const RefSide* sides, uint64_t side_count)
+// Colours each part from its first face on, breadth first. Faces that come twice alike are no
+// neighbours.
+static void count_inverted(LsRefTopology* out, const uint32_t* corners, uint32_t face_count,
+                           const bool* flat, const RefSide* sides, uint64_t side_count)
 {
     // Of each face: up to three neighbours, face << 1 | disagrees.
     uint64_t(*neighbours)[3] = allocate(face_count, sizeof *neighbours);
@@ -439,6 +440,13 @@ static void count_inverted(LsRefTopology* out, uint32_t face_count, const bool* 
         {
             bool disagrees = side[0].from == side[1].from;
             uint32_t a = side[0].face, b = side[1].face;
+            const uint32_t *p = corners + 3 * (size_t)a, *q = corners + 3 * (size_t)b;
+            // Two corners are the same, so all are if their sums are.
+            bool is_twin = (uint64_t)p[0] + p[1] + p[2] == (uint64_t)q[0] + q[1] + q[2];
+            if (is_twin && disagrees)
+            {
+                continue;
+            }
             neighbours[a][degrees[a]++] = (uint64_t)b << 1 | disagrees;
             neighbours[b][degrees[b]++] = (uint64_t)a << 1 | disagrees;
         }
@@ -521,7 +529,7 @@ LsRefTopology ls_ref_topology(const LsRefMesh* mesh, bool weld)
         out.nonmanifold += n > 2;
     }
     out.holes = count_holes(corners, 3ull * mesh->face_count, sides, side_count);
-    count_inverted(&out, mesh->face_count, flat, sides, side_count);
+    count_inverted(&out, corners, mesh->face_count, flat, sides, side_count);
     free(corners);
     free(flat);
     free(sides);
