@@ -7,6 +7,19 @@
 #include <stddef.h>
 #include <stdio.h>
 
+// Words of a file may hold what moves a terminal's cursor; a message is one line of plain text.
+static void make_plain(char* text)
+{
+    for (; *text != '\0'; text++)
+    {
+        const unsigned char letter = (unsigned char)*text;
+        if (letter < 0x20 || letter == 0x7F)
+        {
+            *text = '?';
+        }
+    }
+}
+
 LsResult ls_error_set(LsError* error, int message, const char* format, ...)
 {
     assert(message >= 1000); // an LsResult has two digits
@@ -19,6 +32,7 @@ LsResult ls_error_set(LsError* error, int message, const char* format, ...)
         va_start(arguments, format);
         vsnprintf(error->text, sizeof(error->text), format, arguments);
         va_end(arguments);
+        make_plain(error->text);
     }
     return result;
 }

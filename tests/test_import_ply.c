@@ -62,6 +62,13 @@ static void test_refused(void** state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         check_mesh_text_refused("a.ply", cases[i].text, cases[i].message, cases[i].word);
 
+    // What a terminal should not be sent is not in the message.
+    check_mesh_text_refused("a.ply", "ply\nformat \033[2J 1.0\n", LS_MESSAGE_PLY_HEADER, "?[2J");
+    check_mesh_text_warned("a.ply",
+                           VERTICES "property float a\033b\n" FACES END
+                                    "0 0 0 1\n1 0 0 1\n0 1 0 1\n3 0 1 2\n",
+                           LS_MESSAGE_PLY_PROPERTIES_LEFT, "a?b");
+
     // Zero bytes are no numbers, at the beginning of a word or within.
     static const char zero[] = VERTICES FACES END "0 0 0\n1 \0 0\n0 1 0\n3 0 1 2\n";
     static const char within[] = VERTICES FACES END "0 0 0\n1 0\0x 0\n0 1 0\n3 0 1 2\n";

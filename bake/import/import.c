@@ -216,13 +216,16 @@ static bool is_known(const LsInput* input, LsMessage message, const char* text)
 
 LsResult ls_input_warn(LsInput* input, LsError* error, LsMessage message, const char* format, ...)
 {
-    char text[sizeof error->text];
+    char words[sizeof error->text];
     va_list arguments;
     va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
+    vsnprintf(words, sizeof words, format, arguments);
     va_end(arguments);
     if (input->options.strict)
-        return ls_error_set(error, (int)message, "%s", text);
+        return ls_error_set(error, (int)message, "%s", words);
+    LsError plain; // without what no terminal should be sent
+    ls_error_set(&plain, (int)message, "%s", words);
+    const char* text = plain.text;
     if (is_known(input, message, text))
         return LS_OK;
     void* records = input->warnings;

@@ -90,7 +90,7 @@ extern "C"
     } LsError;
 
     // Fills `error` (may be NULL) and returns the result of `message`, an LsMessage, so that `return
-    // ls_error_set(...)` reads well.
+    // ls_error_set(...)` reads well. Control characters, which words of a file may hold, become '?'.
     LsResult ls_error_set(LsError* error, int message, const char* format, ...) LS_PRINTF(3, 4);
 
     // Short static text of a code ("file not found"), never NULL.
