@@ -137,7 +137,8 @@ static LsResult make_normals(LsLooks* looks, LsInput* input, const LsInputMesh* 
 
 // ---- Texture coordinates ------------------------------------------------------------------------
 
-uint32_t ls_texcoord_sets(const LsInput* input, uint32_t material)
+// Sets of texture coordinates that a material's textures read: bit 0, bit 1.
+static uint32_t find_texcoord_sets(const LsInput* input, uint32_t material)
 {
     const LsSurface* surface = &input->materials[material].surface;
     const uint32_t textures[] = {surface->base_color_texture, surface->metallic_roughness_texture,
@@ -192,7 +193,8 @@ static LsResult make_texcoords(LsLooks* looks, LsInput* input, const LsInputMesh
     for (uint32_t face = 0, sets = 0; face < mesh->triangle_count && wanted != 3; face++)
     {
         const uint32_t* material = &mesh->materials[face];
-        sets = face > 0 && material[0] == material[-1] ? sets : ls_texcoord_sets(input, *material);
+        sets =
+            face > 0 && material[0] == material[-1] ? sets : find_texcoord_sets(input, *material);
         for (int set = 0; set < 2; set++)
         {
             if ((sets & ~wanted) >> set & 1 && mesh->streams[LS_STREAM_TEXCOORD_0 + set].count == 0)

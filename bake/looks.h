@@ -33,7 +33,4 @@ LsResult ls_looks_create(LsLooks* looks, LsInput* input, uint32_t index, const L
                          const LsLooksSource* source, LsError* error);
 void ls_looks_destroy(LsLooks* looks);
 
-// Sets of texture coordinates that a material's textures read: bit 0, bit 1.
-uint32_t ls_texcoord_sets(const LsInput* input, uint32_t material);
-
 #endif

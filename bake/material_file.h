@@ -17,8 +17,8 @@
 // doubleSided; ior (KHR_materials_ior); transmissionFactor (KHR_materials_transmission). What it does
 // not name stays as the file has it, textures too: they cannot be set here. A part that has triangles
 // of the material that files without share gets one of its own, if "*" or a bare object is given.
-// Errors, each naming the key: FILE_*, INPUT_FORMAT (no JSON; unknown keys, values out of range, names
-// that no material has), MEMORY.
+// Errors, each naming the key: FILE_*, MATERIAL_* (no JSON; unknown keys, values out of range, names
+// that no material has), OUT_OF_MEMORY.
 LsResult ls_input_override(LsInput* input, const LsInputPart* part, const LsBakeInput* how,
                            LsError* error);
 

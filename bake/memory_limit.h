@@ -9,7 +9,7 @@
 #include "pack.h"
 
 // Whether `needed` bytes beside what this process has in memory now are within `limit` (0: none).
-// `scene` and `what` are for the message. Errors: INPUT_LIMIT.
+// `scene` and `what` are for the message. Errors: LIMIT_MEMORY.
 LsResult ls_memory_check(uint64_t limit, uint64_t needed, const char* scene, const char* what,
                          LsError* error);
 

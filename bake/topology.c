@@ -34,7 +34,8 @@ typedef struct Run
     uint64_t begin, count;
 } Run;
 
-void ls_mesh_example_add(LsMeshExamples* examples, LsMeshExample example)
+// Adds a fault to the examples, if there is room. Without a third vertex it is UINT32_MAX.
+static void add_example(LsMeshExamples* examples, LsMeshExample example)
 {
     uint32_t* count = &examples->count[example.fault];
     if (*count < LS_MESH_EXAMPLES)
@@ -46,10 +47,9 @@ void ls_mesh_example_add(LsMeshExamples* examples, LsMeshExample example)
 static void add_face(const Table* table, LsMeshFault fault, uint32_t face, uint32_t other)
 {
     const uint32_t* v = table->faces->indices + 3 * (size_t)face;
-    ls_mesh_example_add(table->examples, (LsMeshExample){.fault = fault,
-                                                         .face = face,
-                                                         .vertices = {v[0], v[1], v[2]},
-                                                         .other = other});
+    add_example(table->examples,
+                (LsMeshExample){
+                    .fault = fault, .face = face, .vertices = {v[0], v[1], v[2]}, .other = other});
 }
 
 // The edge as its first face runs through it.
@@ -63,11 +63,10 @@ static void add_edge(const Table* table, LsMeshFault fault, const Run* run, uint
     {
         k++;
     }
-    ls_mesh_example_add(table->examples,
-                        (LsMeshExample){.fault = fault,
-                                        .face = face,
-                                        .vertices = {v[k], v[(k + 1) % 3], UINT32_MAX},
-                                        .other = other});
+    add_example(table->examples, (LsMeshExample){.fault = fault,
+                                                 .face = face,
+                                                 .vertices = {v[k], v[(k + 1) % 3], UINT32_MAX},
+                                                 .other = other});
 }
 
 // The corner of a face that is not on its edge (a, b).

@@ -25,9 +25,6 @@ typedef struct LsMeshExamples
     uint32_t count[LS_MESH_FAULT_COUNT];
 } LsMeshExamples;
 
-// Adds a fault to the examples, if there is room. Without a third vertex it is UINT32_MAX.
-void ls_mesh_example_add(LsMeshExamples* examples, LsMeshExample example);
-
 // Fills the counts of faults and edges in `report` (its other fields stay) and the examples. Neither
 // depends on `threads`. False when out of memory: 8 bytes per edge of a face and 10 per face.
 bool ls_topology_check(const LsFaces* faces, uint32_t threads, LsMeshReport* report,

@@ -6,7 +6,7 @@ target_compile_definitions(ls_file_fixture PRIVATE LS_BINARY_DIR="${PROJECT_BINA
 ls_add_test(NAME test_check SOURCES test_check.c LIBRARIES ls_file_fixture)
 ls_add_test(NAME test_file SOURCES test_file.c LIBRARIES ls_file_fixture)
 target_link_options(test_file PRIVATE -Wl,--wrap=madvise)
-ls_add_test(NAME test_catalogue SOURCES test_catalogue.c LIBRARIES ls_file_fixture)
+ls_add_test(NAME test_catalogue SOURCES test_catalogue.c LIBRARIES ls_format)
 ls_add_test(NAME test_write SOURCES test_write.c LIBRARIES ls_file_fixture)
 foreach(call open64 posix_fallocate64 ftruncate64 pwrite64 fsync rename)
     target_link_options(test_write PRIVATE -Wl,--wrap=${call})

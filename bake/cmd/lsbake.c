@@ -32,7 +32,7 @@ static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
     {
         const LsBakeInput* input = &desc->inputs[i];
         result = check_path(input->path, desc->output, error);
-        if (result == LS_OK && input->materials != NULL && input->materials[0] != '{')
+        if (result == LS_OK && input->materials != NULL) // JSON is no file's name
         {
             result = check_path(input->materials, desc->output, error);
         }

@@ -144,9 +144,8 @@ extern "C"
     // materials and nodes are numbered after those already there. A file without materials uses a white
     // diffuse one (base colour 0.8), shared by all such. A mesh without triangles is left out; that
     // is no error here: the bake refuses a scene that has no triangle at all. After an error the
-    // input is good for nothing but ls_input_destroy. Errors, each naming the file: FILE_MISSING,
-    // FILE_READ, FILE_EMPTY, FILE_IS_DIRECTORY, INPUT_FORMAT, INPUT_INDEX, INPUT_UNSUPPORTED,
-    // INPUT_LIMIT, MEMORY.
+    // input is good for nothing but ls_input_destroy. Errors, each naming the file: the messages
+    // of files and of the format (ls_messages.h), LIMIT_*, OUT_OF_MEMORY.
     LsResult ls_import(LsInput* input, const char* path, LsError* error);
     void ls_input_destroy(LsInput* input);
 
@@ -172,7 +171,7 @@ extern "C"
                                 bool has_indices);
 
     // For the shims, before they allocate: whether `bytes` more and `triangles` more are within the
-    // limits. Errors: INPUT_LIMIT, naming the option that sets the limit.
+    // limits. Errors: LIMIT_TRIANGLES, LIMIT_MEMORY.
     LsResult ls_input_reserve(LsInput* input, const char* path, uint64_t bytes, uint64_t triangles,
                               LsError* error);
 
