@@ -72,7 +72,8 @@ function(ls_install_package)
     install(FILES format/SPEC.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
     if(LS_BUILD_RUNTIME)
         ls_install_pkgconfig(linespace-runtime)
-        install(FILES shaders/scene.glsl shaders/triangle.glsl shaders/linespace.glsl format/include/ls_layout.h
+        install(FILES shaders/scene.glsl shaders/triangle.glsl shaders/instance.glsl shaders/walk.glsl
+            shaders/linespace.glsl format/include/ls_layout.h
             DESTINATION ${LS_INSTALL_SHADERS})
     endif()
 endfunction()

@@ -101,6 +101,19 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
     return false;
 }
 
+// Lanes of a subgroup, if the two-pass kernels can use it: 32 at most, since they keep a bit a lane in a word.
+static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* subgroups)
+{
+    const VkSubgroupFeatureFlags wanted =
+        VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+        VK_SUBGROUP_FEATURE_ARITHMETIC_BIT | VK_SUBGROUP_FEATURE_BALLOT_BIT |
+        VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+    const uint32_t size = subgroups->subgroupSize;
+    const bool is_able = (subgroups->supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 &&
+                         (subgroups->supportedOperations & wanted) == wanted;
+    return is_able && size >= 4 && size <= 32 && (size & (size - 1)) == 0 ? size : 0;
+}
+
 // Fills the facts of the device and refuses one that cannot run the kernel.
 static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk,
                                LsContext* context, LsError* error)
@@ -128,8 +141,12 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
                             device_name, VK_API_VERSION_MAJOR(version),
                             VK_API_VERSION_MINOR(version));
     }
+    VkPhysicalDeviceSubgroupProperties subgroups = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
+    };
     allocations.pNext = &driver;
-    driver.pNext = version >= VK_API_VERSION_1_3 ? &buffers : NULL;
+    driver.pNext = &subgroups;
+    subgroups.pNext = version >= VK_API_VERSION_1_3 ? &buffers : NULL;
     vk->GetPhysicalDeviceProperties2(desc->physical_device, &properties);
     context->max_buffer_bytes = allocations.maxMemoryAllocationSize;
     if (buffers.maxBufferSize != 0 && buffers.maxBufferSize < context->max_buffer_bytes)
@@ -138,6 +155,7 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     }
     // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
     context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
+    context->shared_lanes = count_shared_lanes(&subgroups);
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];
 
     // The device must have been created with it; that it could have been is all one can ask
@@ -190,6 +208,7 @@ LsResult ls_context_create(const LsContextDesc* desc, LsContext** context, LsErr
     made->device = desc->device;
     made->queue = desc->queue;
     made->queue_family = desc->queue_family;
+    made->measures = desc->measures;
     LsResult result = fill_context(desc, made, error);
     if (result != LS_OK)
     {

@@ -1,19 +1,28 @@
-// pipeline.c - shader module to pipelines, specialized by method and features.
+// pipeline.c - shader modules to pipelines, specialized by method and features.
 
 #include "pipeline.h"
 
+#include "trace_grid_spv.h"
+#include "trace_lists_spv.h"
 #include "trace_spv.h"
 
-static LsResult create_module(const LsContext* context, VkShaderModule* module, LsError* error)
+// By constant id: the method, one per feature bit in order, the work group's size, whether lanes refill.
+enum
 {
-    VkShaderModuleCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
-        .codeSize = sizeof(trace_spv),
-        .pCode = trace_spv,
-    };
-    VkResult code = context->vk.CreateShaderModule(context->device, &info, NULL, module);
-    return ls_vulkan_result(code, "vkCreateShaderModule", error);
-}
+    METHOD,
+    FIRST_FEATURE,
+    GROUP_SIZE = 7,
+    REFILL,
+    CONSTANT_COUNT
+};
+
+// A kernel's SPIR-V and what it is specialized to.
+typedef struct KernelDesc
+{
+    const uint32_t* code;
+    size_t code_bytes;
+    uint32_t constants[CONSTANT_COUNT];
+} KernelDesc;
 
 static LsResult create_layout(const LsContext* context, VkPipelineLayout* layout, LsError* error)
 {
@@ -21,6 +30,9 @@ static LsResult create_layout(const LsContext* context, VkPipelineLayout* layout
         .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         .size = sizeof(LsTraceParams),
     };
+    static_assert(sizeof(LsListParams) <= sizeof(LsTraceParams) &&
+                      sizeof(LsGridParams) <= sizeof(LsTraceParams),
+                  "one layout serves all kernels");
     VkPipelineLayoutCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .pushConstantRangeCount = 1,
@@ -34,36 +46,31 @@ static LsResult create_layout(const LsContext* context, VkPipelineLayout* layout
     return ls_vulkan_result(code, "vkCreatePipelineLayout", error);
 }
 
-static LsResult create_pipeline(const LsContext* context, VkShaderModule module,
-                                VkPipelineLayout layout, uint64_t features, LsMethod method,
-                                VkPipeline* pipeline, LsError* error)
+static LsResult create_pipeline(const LsContext* context, const KernelDesc* desc,
+                                VkPipelineLayout layout, VkPipeline* pipeline, LsError* error)
 {
-    // By constant id: the method, one per feature bit in order, the work group's size.
-    enum
-    {
-        METHOD,
-        FIRST_FEATURE,
-        GROUP_SIZE = 7,
-        COUNT
+    VkShaderModuleCreateInfo module_info = {
+        .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+        .codeSize = desc->code_bytes,
+        .pCode = desc->code,
     };
-    uint32_t values[COUNT];
-    VkSpecializationMapEntry entries[COUNT];
-    values[METHOD] = method;
-    for (uint32_t i = FIRST_FEATURE; i < GROUP_SIZE; i++)
+    VkShaderModule module;
+    VkResult code = context->vk.CreateShaderModule(context->device, &module_info, NULL, &module);
+    if (code != VK_SUCCESS)
     {
-        values[i] = (uint32_t)(features >> (i - FIRST_FEATURE) & 1u);
+        return ls_vulkan_result(code, "vkCreateShaderModule", error);
     }
-    values[GROUP_SIZE] = LS_TRACE_GROUP_SIZE;
-    for (uint32_t i = 0; i < COUNT; i++)
+    VkSpecializationMapEntry entries[CONSTANT_COUNT];
+    for (uint32_t i = 0; i < CONSTANT_COUNT; i++)
     {
         entries[i] =
             (VkSpecializationMapEntry){i, i * (uint32_t)sizeof(uint32_t), sizeof(uint32_t)};
     }
     VkSpecializationInfo specialization = {
-        .mapEntryCount = COUNT,
+        .mapEntryCount = CONSTANT_COUNT,
         .pMapEntries = entries,
-        .dataSize = sizeof(values),
-        .pData = values,
+        .dataSize = sizeof(desc->constants),
+        .pData = desc->constants,
     };
     VkComputePipelineCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
@@ -77,34 +84,62 @@ static LsResult create_pipeline(const LsContext* context, VkShaderModule module,
             },
         .layout = layout,
     };
-    VkResult code = context->vk.CreateComputePipelines(context->device, VK_NULL_HANDLE, 1, &info,
-                                                       NULL, pipeline);
+    code = context->vk.CreateComputePipelines(context->device, VK_NULL_HANDLE, 1, &info, NULL,
+                                              pipeline);
+    context->vk.DestroyShaderModule(context->device, module, NULL);
     if (code != VK_SUCCESS)
     {
         *pipeline = VK_NULL_HANDLE;
-        return ls_vulkan_result(code, "vkCreateComputePipelines", error);
     }
-    return LS_OK;
+    return ls_vulkan_result(code, "vkCreateComputePipelines", error);
 }
 
-LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, LsTraceKernel* kernel,
-                                LsError* error)
+static KernelDesc describe(const uint32_t* code, size_t code_bytes, uint64_t features,
+                           LsMethod method, uint32_t group_size, bool refills)
+{
+    KernelDesc desc = {.code = code, .code_bytes = code_bytes};
+    desc.constants[METHOD] = method;
+    for (uint32_t i = FIRST_FEATURE; i < GROUP_SIZE; i++)
+    {
+        desc.constants[i] = (uint32_t)(features >> (i - FIRST_FEATURE) & 1u);
+    }
+    desc.constants[GROUP_SIZE] = group_size;
+    desc.constants[REFILL] = refills;
+    return desc;
+}
+
+static LsResult create_passes(const LsContext* context, uint64_t features, LsTraceKernel* kernel,
+                              LsError* error)
+{
+    const KernelDesc lists = describe(trace_lists_spv, sizeof(trace_lists_spv), features,
+                                      LS_TRACE_EXACT, LS_LISTS_GROUP_SIZE, false);
+    LsResult result = create_pipeline(context, &lists, kernel->layout, &kernel->lists, error);
+    for (int refills = 0; refills <= 1 && result == LS_OK; refills++)
+    {
+        const KernelDesc grid = describe(trace_grid_spv, sizeof(trace_grid_spv), features,
+                                         LS_TRACE_EXACT, context->shared_lanes, refills);
+        result = create_pipeline(context, &grid, kernel->layout, &kernel->grid[refills], error);
+    }
+    return result;
+}
+
+LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, bool has_passes,
+                                LsTraceKernel* kernel, LsError* error)
 {
     *kernel = (LsTraceKernel){0};
-    VkShaderModule module;
-    LsResult result = create_module(context, &module, error);
-    if (result != LS_OK)
+    LsResult result = create_layout(context, &kernel->layout, error);
+    // All methods now rather than at their first use, which may be on any thread.
+    const uint32_t method_count = context->measures ? LS_METHOD_COUNT_OF : LS_TRACE_GRID;
+    for (uint32_t method = 0; method < method_count && result == LS_OK; method++)
     {
-        return result;
+        const KernelDesc desc = describe(trace_spv, sizeof(trace_spv), features, (LsMethod)method,
+                                         LS_TRACE_GROUP_SIZE, false);
+        result = create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
     }
-    result = create_layout(context, &kernel->layout, error);
-    // Both methods now rather than at their first use, which may be on any thread.
-    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE && result == LS_OK; method++)
+    if (result == LS_OK && has_passes)
     {
-        result = create_pipeline(context, module, kernel->layout, features, method,
-                                 &kernel->pipelines[method], error);
+        result = create_passes(context, features, kernel, error);
     }
-    context->vk.DestroyShaderModule(context->device, module, NULL);
     if (result != LS_OK)
     {
         ls_trace_kernel_destroy(context, kernel);
@@ -114,10 +149,13 @@ LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, LsT
 
 void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel)
 {
-    for (LsMethod method = LS_TRACE_EXACT; method <= LS_TRACE_BRUTE; method++)
+    for (uint32_t method = 0; method < LS_METHOD_COUNT_OF; method++)
     {
-        context->vk.DestroyPipeline(context->device, kernel->pipelines[method], NULL);
+        context->vk.DestroyPipeline(context->device, kernel->whole[method], NULL);
     }
+    context->vk.DestroyPipeline(context->device, kernel->lists, NULL);
+    context->vk.DestroyPipeline(context->device, kernel->grid[0], NULL);
+    context->vk.DestroyPipeline(context->device, kernel->grid[1], NULL);
     context->vk.DestroyPipelineLayout(context->device, kernel->layout, NULL);
     *kernel = (LsTraceKernel){0};
 }

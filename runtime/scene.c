@@ -106,6 +106,67 @@ static uint64_t count_brute_rounds(const LsFile* file)
     return rounds;
 }
 
+// Top nodes that every ray of a first pass looks at, one after the other.
+#define MAX_TOP_NODES 64
+
+// The only instance with a grid, or LS_NONE when there are more or none.
+static uint32_t find_grid_instance(const LsFile* file)
+{
+    uint32_t found = LS_NONE;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
+    {
+        if (file->objects[file->instances[i].object].kind == LS_OBJECT_GRID)
+        {
+            if (found != LS_NONE)
+            {
+                return LS_NONE;
+            }
+            found = i;
+        }
+    }
+    return found;
+}
+
+// Whether the scene can be traced in two passes, and then what the second needs to know. Its kernel takes the
+// grid's parts of the arrays to begin at 0, so other objects with a grid, even if without an instance,
+// rule it out.
+static void prepare_passes(LsScene* scene, const LsFile* file)
+{
+    const uint32_t index = find_grid_instance(file);
+    uint32_t grid_count = 0;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_OBJECTS); i++)
+    {
+        grid_count += file->objects[i].kind == LS_OBJECT_GRID;
+    }
+    scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
+    if (index == LS_NONE || grid_count != 1 || scene->top_node_count > MAX_TOP_NODES ||
+        scene->context->shared_lanes == 0)
+    {
+        return;
+    }
+    const LsInstance* instance = &file->instances[index];
+    const LsObject* object = &file->objects[instance->object];
+    scene->has_passes = true;
+    scene->grid = (LsGridParams){
+        .triangles = scene->trace.triangles,
+        .blocks = scene->trace.blocks,
+        .cell_blocks = scene->trace.cell_blocks,
+        .subgrids = scene->trace.subgrids,
+        .voxels = scene->trace.voxels,
+        .references = scene->trace.references,
+        .leaf_nodes = scene->trace.leaf_nodes,
+        .shafts = scene->trace.shafts,
+        .grid_lower = object->grid_lower,
+        .inverse_cell = object->inverse_cell,
+        .cells = {object->cells[0], object->cells[1], object->cells[2]},
+        .flags = (instance->flags & LS_INSTANCE_MIRRORED) != 0 ? LS_GRID_MIRRORED : 0,
+        .instance = index,
+        .object = instance->object,
+        .first_triangle = object->first_triangle,
+        .first_subgrid_block = object->cell_block_count - object->subgrid_count,
+    };
+}
+
 static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name, LsError* error)
 {
     LsUpload upload;
@@ -117,7 +178,9 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     }
     if (result == LS_OK)
     {
-        result = ls_trace_kernel_create(scene->context, scene->features, &scene->kernel, error);
+        prepare_passes(scene, file);
+        result = ls_trace_kernel_create(scene->context, scene->features, scene->has_passes,
+                                        &scene->kernel, error);
     }
     LsResult ended = ls_upload_end(&upload, result == LS_OK ? error : NULL);
     return result == LS_OK ? ended : result;

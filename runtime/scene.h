@@ -14,6 +14,9 @@ struct LsScene
     LsBuffer table;                  // LsDeviceScene
     LsTraceScene trace;
     LsTraceKernel kernel;
+    LsGridParams grid; // for the second of two passes, without what belongs to a batch
+    uint32_t top_node_count;
+    bool has_passes; // the scene has one grid, and the device can trace it in two passes
     uint64_t device_bytes;
     uint64_t brute_rounds; // of loops when a ray tests every triangle of every instance
 };

@@ -3,11 +3,9 @@
 static const uint32_t KNOWN_FLAGS =
     LS_RAY_FLAG_ANY_HIT | LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING;
 
-static const uint32_t MAX_GROUPS = (1u << 30) / (LS_TRACE_GROUP_SIZE * (uint32_t)sizeof(LsRay));
-
 static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
 {
-    if (desc->method != LS_TRACE_EXACT && desc->method != LS_TRACE_BRUTE)
+    if ((uint32_t)desc->method >= LS_METHOD_COUNT_OF)
     {
         return ls_error_set(error, LS_MESSAGE_TRACE_METHOD, "trace: unknown method %d",
                             (int)desc->method);
@@ -31,12 +29,128 @@ static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
     {
         return ls_error_set(error, LS_MESSAGE_TRACE_ADDRESS, "trace: rays and hits need addresses");
     }
-    if (desc->rays % 16 != 0 || desc->hits % 16 != 0 || desc->masks % 4 != 0)
+    if (desc->rays % 16 != 0 || desc->hits % 16 != 0 || desc->masks % 4 != 0 ||
+        desc->scratch % 64 != 0)
     {
         return ls_error_set(error, LS_MESSAGE_TRACE_ADDRESS,
-                            "trace: rays and hits must be 16-byte aligned, masks 4-byte aligned");
+                            "trace: rays and hits must be 16-byte aligned, masks 4-byte aligned, "
+                            "scratch 64-byte aligned");
     }
     return LS_OK;
+}
+
+// Rays of one dispatch in groups of `group_size`: as many as the device allows groups, but few enough that 32 bits
+// hold every byte offset in their arrays.
+static uint64_t find_dispatch_limit(const LsContext* context, uint32_t group_size)
+{
+    const uint64_t by_groups = (uint64_t)context->max_group_count * group_size;
+    const uint64_t by_bytes = (1u << 30) / sizeof(LsGridRay) / group_size * group_size;
+    return by_groups < by_bytes ? by_groups : by_bytes;
+}
+
+static LsTraceParams slice_batch(const LsScene* scene, const LsTraceDesc* desc, uint64_t first,
+                                 uint64_t limit)
+{
+    const uint64_t rest = desc->ray_count - first;
+    return (LsTraceParams){
+        .scene = scene->trace,
+        .rays = desc->rays + first * sizeof(LsRay),
+        .hits = desc->hits + first * sizeof(LsHit),
+        .masks = desc->masks ? desc->masks + first * sizeof(uint32_t) : 0,
+        .ray_count = (uint32_t)(rest < limit ? rest : limit),
+        .flags = desc->flags,
+    };
+}
+
+static void dispatch(const LsScene* scene, VkCommandBuffer commands, VkPipeline pipeline,
+                     const void* params, uint32_t param_bytes, uint64_t group_count)
+{
+    const LsContext* context = scene->context;
+    context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    context->vk.CmdPushConstants(commands, scene->kernel.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
+                                 param_bytes, params);
+    context->vk.CmdDispatch(commands, (uint32_t)group_count, 1, 1);
+}
+
+// What earlier dispatches wrote is seen by later ones, which may overwrite what those read.
+static void await_dispatch(const LsScene* scene, VkCommandBuffer commands)
+{
+    const VkMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER,
+        .srcAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT,
+        .dstAccessMask = VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT,
+    };
+    scene->context->vk.CmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                                          VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, 0, 1, &barrier, 0,
+                                          NULL, 0, NULL);
+}
+
+static void record_whole(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)
+{
+    const uint64_t limit = find_dispatch_limit(scene->context, LS_TRACE_GROUP_SIZE);
+    for (uint64_t first = 0; first < desc->ray_count; first += limit)
+    {
+        const LsTraceParams params = slice_batch(scene, desc, first, limit);
+        dispatch(scene, commands, scene->kernel.whole[desc->method], &params, sizeof params,
+                 (params.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE);
+    }
+}
+
+// Groups of lanes that refill: more than any device runs at a time; those that come late find no ray left.
+#define MAX_REFILLING_GROUPS 8192u
+
+static void record_passes(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)
+{
+    // The loops of lanes that refill would be too long where loops are bounded.
+    const bool refills = !desc->coherent && scene->context->max_loop_rounds == UINT64_MAX;
+    const uint32_t lanes = scene->context->shared_lanes;
+    const uint64_t limit = find_dispatch_limit(scene->context, lanes);
+    for (uint64_t first = 0; first < desc->ray_count; first += limit)
+    {
+        const LsTraceParams slice = slice_batch(scene, desc, first, limit);
+        LsListParams lists = {
+            .objects = scene->trace.objects,
+            .instances = scene->trace.instances,
+            .top_nodes = scene->trace.top_nodes,
+            .triangles = scene->trace.triangles,
+            .rays = slice.rays,
+            .hits = slice.hits,
+            .masks = slice.masks,
+            .queue = desc->scratch,
+            .flags = desc->flags,
+            .top_node_count = scene->top_node_count,
+            .grid_instance = scene->grid.instance,
+            .transform_bound = scene->trace.transform_bound,
+        };
+        LsGridParams grid = scene->grid;
+        grid.hits = slice.hits;
+        grid.queue = desc->scratch;
+        grid.flags |= desc->flags;
+        uint64_t groups = ((uint64_t)slice.ray_count + lanes - 1) / lanes;
+        groups = refills && groups > MAX_REFILLING_GROUPS ? MAX_REFILLING_GROUPS : groups;
+        if (first != 0)
+        {
+            await_dispatch(scene, commands);
+        }
+        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1); // zeroes the queue
+        await_dispatch(scene, commands);
+        lists.ray_count = slice.ray_count;
+        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists,
+                 ((uint64_t)slice.ray_count + LS_LISTS_GROUP_SIZE - 1) / LS_LISTS_GROUP_SIZE);
+        await_dispatch(scene, commands);
+        dispatch(scene, commands, scene->kernel.grid[refills], &grid, sizeof grid, groups);
+    }
+}
+
+uint64_t ls_trace_scratch_bytes(const LsScene* scene, uint32_t ray_count)
+{
+    if (!scene->has_passes || ray_count == 0)
+    {
+        return 0;
+    }
+    const uint64_t limit = find_dispatch_limit(scene->context, scene->context->shared_lanes);
+    const uint64_t rays = ray_count < limit ? ray_count : limit;
+    return sizeof(LsTraceQueue) + rays * sizeof(LsGridRay);
 }
 
 LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc,
@@ -48,6 +162,11 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
         return result;
     }
     const LsContext* context = scene->context;
+    if (scene->kernel.whole[desc->method] == VK_NULL_HANDLE)
+    {
+        return ls_error_set(error, LS_MESSAGE_TRACE_METHOD,
+                            "trace: methods that measure need a context with `measures` set");
+    }
     if (desc->method == LS_TRACE_BRUTE && scene->brute_rounds > context->max_loop_rounds)
     {
         return ls_error_set(error, LS_MESSAGE_DEVICE_LOOPS,
@@ -55,29 +174,13 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
                             "force over this scene: "
                             "choose a GPU or trace exactly");
     }
-    context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
-                                scene->kernel.pipelines[desc->method]);
-
-    // One dispatch takes as many rays as the device allows work groups, but few enough that 32 bits
-    // hold every byte offset in its arrays.
-    uint32_t group_limit =
-        context->max_group_count < MAX_GROUPS ? context->max_group_count : MAX_GROUPS;
-    uint64_t limit = (uint64_t)group_limit * LS_TRACE_GROUP_SIZE;
-    for (uint64_t first = 0; first < desc->ray_count; first += limit)
+    if (desc->method == LS_TRACE_EXACT && desc->scratch != 0 && scene->has_passes)
     {
-        uint64_t rest = desc->ray_count - first;
-        LsTraceParams params = {
-            .scene = scene->trace,
-            .rays = desc->rays + first * sizeof(LsRay),
-            .hits = desc->hits + first * sizeof(LsHit),
-            .masks = desc->masks ? desc->masks + first * sizeof(uint32_t) : 0,
-            .ray_count = (uint32_t)(rest < limit ? rest : limit),
-            .flags = desc->flags,
-        };
-        context->vk.CmdPushConstants(commands, scene->kernel.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
-                                     sizeof(params), &params);
-        uint32_t groups = (params.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE;
-        context->vk.CmdDispatch(commands, groups, 1, 1);
+        record_passes(scene, commands, desc);
+    }
+    else
+    {
+        record_whole(scene, commands, desc);
     }
     return LS_OK;
 }

@@ -103,7 +103,8 @@ vec3 sample_lights(LsHitSurface surface, vec3 normal, vec3 random)
     uint index = choose_light(random.x);
     LsLight light = lights.at[index];
     float probability = light.cumulative - (index == 0u ? 0.0 : lights.at[index - 1u].cumulative);
-    LsHitSurface emitter = load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
+    LsHitSurface emitter =
+        load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
     uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
     uint triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle + light.triangle;
     uint material_index = LsTriangleArray(ls_scene.triangles).at[triangle].material;

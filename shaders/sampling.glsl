@@ -46,10 +46,13 @@ vec2 ls_cos_sin_turn(float turn)
     precise float nearest = floor(quarters + 0.5);
     precise float x = quarters - nearest;
     precise float y = x * x;
-    precise float sine = x * (1.57079633 + y * (-0.645964098 + y * (0.0796926262 +
-                         y * (-0.00468175414 + y * 0.000160441185))));
-    precise float cosine = 1.0 + y * (-1.23370055 + y * (0.253669508 + y * (-0.0208634808 +
-                           y * (0.000919260274 + y * -0.0000252020424))));
+    precise float sine =
+        x * (1.57079633 +
+             y * (-0.645964098 + y * (0.0796926262 + y * (-0.00468175414 + y * 0.000160441185))));
+    precise float cosine =
+        1.0 +
+        y * (-1.23370055 +
+             y * (0.253669508 + y * (-0.0208634808 + y * (0.000919260274 + y * -0.0000252020424))));
     vec2 odd = vec2(-sine, cosine);
     vec2 even = vec2(cosine, sine);
     uint quadrant = uint(nearest) & 3u;
@@ -93,7 +96,7 @@ struct LsHitSurface
 // The distance to keep follows from rounding alone, u = 2^-24: positions are off by a few u of the
 // largest term in their sums, and the triangle test by 16 u of the triangle's size (SPEC 7.6).
 LsHitSurface ls_surface(LsTriangle triangle, vec4 rows[3], bool mirrored, vec2 weights,
-                     float transform_bound)
+                        float transform_bound)
 {
     precise vec3 edge_b = triangle.v1 - triangle.v0;
     precise vec3 edge_c = triangle.v2 - triangle.v0;

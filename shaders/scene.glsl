@@ -23,10 +23,10 @@ layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
 // begin at 0.
 #define LS_FIRST(index) (LS_HAS_TOP_LEVEL != 0u ? (index) : 0u)
 
-#define LS_ARRAY(name, type, alignment)                                                            \
-    layout(buffer_reference, std430, buffer_reference_align = alignment) readonly buffer name      \
-    {                                                                                              \
-        type at[];                                                                                 \
+#define LS_ARRAY(name, type, alignment)                                                       \
+    layout(buffer_reference, std430, buffer_reference_align = alignment) readonly buffer name \
+    {                                                                                         \
+        type at[];                                                                            \
     }
 
 LS_ARRAY(LsObjectArray, LsObject, 16);

@@ -41,5 +41,10 @@ void main()
     }
     uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
     LsRay ray = RayArray(params.rays).at[index];
-    HitArray(params.hits).at[index] = ls_trace_ray(ray, mask, params.flags);
+    LsHit hit = ls_trace_ray(ray, mask, params.flags);
+    if (LS_METHOD == LS_METHOD_COUNT)
+    {
+        hit = LsHit(0.0, 0.0, 0.0, ls_work.x, ls_work.y, ls_work.z, 0u, hit.flags);
+    }
+    HitArray(params.hits).at[index] = hit;
 }

@@ -9,6 +9,15 @@
 
 #include "scene.glsl"
 
+// Set where a device ended a loop before its time: llvmpipe (Mesa 22.3) ends all loops of an
+// invocation, without a word, after 65535 rounds in sum. The answer is then not to be trusted. After
+// a loop its condition is asked again, in other words, lest the compiler knows the answer.
+bool ls_cut;
+
+// What a ray has come across, for LS_METHOD_COUNT: cells or empty cubes, shafts looked up, triangles tested.
+// Kernels that never read it do not count.
+uvec3 ls_work;
+
 #define LS_INFINITY uintBitsToFloat(0x7F800000u)
 #define LS_LARGEST_FLOAT uintBitsToFloat(0x7F7FFFFFu)
 
@@ -68,6 +77,15 @@ struct LsBest
     uint triangle; // index into the object's part of TRIANGLES
 };
 
+// Whether a ray meets a box before `end`; `inverse` from ls_inverse_direction, so no product is
+// NaN.
+bool ls_meets_box(vec3 origin, vec3 inverse, vec3 lower, vec3 upper, float begin, float end)
+{
+    precise vec3 a = (lower - origin) * inverse;
+    precise vec3 b = (upper - origin) * inverse;
+    return max(ls_max_component(min(a, b)), begin) <= min(ls_min_component(max(a, b)), end);
+}
+
 // A ray in the space of one object, its direction scaled by a power of two so that the largest
 // component lies in [1,2). Distances s count scaled directions: s = t * scale.
 struct LsLocalRay
@@ -78,7 +96,9 @@ struct LsLocalRay
     float smin;
     float smax; // of the nearest hit so far
     float scale;
-    uint major; // axis of the largest component of the direction
+    uint major;   // axis of the largest component of the direction
+    vec3 pivot;   // the origin as ls_permute turns it
+    vec3 sheared; // the direction likewise
     uint instance;
     uint object;
     uint first_triangle; // of the object
@@ -121,67 +141,6 @@ vec3 ls_inverse_direction(vec3 d)
     return 1.0 / kept;
 }
 
-// Moves an origin that lies farther than `reach` outside the object's box to where the ray enters
-// it. False if the ray misses the box.
-bool ls_move_far_origin(inout LsLocalRay ray)
-{
-    LsObjectArray objects = LsObjectArray(ls_scene.objects);
-    vec3 box_lower = objects.at[ray.object].lower;
-    vec3 box_upper = objects.at[ray.object].upper;
-    float reach = objects.at[ray.object].reach;
-    for (int step = 0; step < 2; step++)
-    {
-        precise vec3 below = box_lower - ray.origin;
-        precise vec3 above = ray.origin - box_upper;
-        float far = max(ls_max_component(below), ls_max_component(above));
-        if (!(far > reach))
-        {
-            return true;
-        }
-        float pad = far * 1.9073486328125e-06; // 2^-19
-        bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
-        precise vec3 lower = box_lower - pad;
-        precise vec3 upper = box_upper + pad;
-        vec3 outside = max(lower - ray.origin, ray.origin - upper);
-        if (ls_max_component(mix(vec3(0.0), outside, still)) > 0.0)
-        {
-            return false;
-        }
-        precise vec3 inverse = ls_inverse_direction(ray.direction);
-        precise vec3 a = (lower - ray.origin) * inverse;
-        precise vec3 b = (upper - ray.origin) * inverse;
-        vec3 near = mix(min(a, b), vec3(-LS_INFINITY), still);
-        vec3 leave = mix(max(a, b), vec3(LS_INFINITY), still);
-        float enter = max(ls_max_component(near), 0.0);
-        if (!(enter <= ls_min_component(leave)))
-        {
-            return false;
-        }
-        precise vec3 origin = ray.origin + ray.direction * enter;
-        precise float s0 = ray.s0 + enter;
-        ray.origin = origin;
-        ray.s0 = s0;
-    }
-    precise vec3 below = box_lower - ray.origin;
-    precise vec3 above = ray.origin - box_upper;
-    return !(max(ls_max_component(below), ls_max_component(above)) > reach);
-}
-
-// Finishes a ray whose origin, direction and object are set. False if it misses the object.
-bool ls_local_ray_finish(inout LsLocalRay local, float tmin, float tmax)
-{
-    local.scale = ls_direction_scale(local.direction);
-    local.direction *= ls_exact_inverse(local.scale);
-    local.s0 = 0.0;
-    local.smin = tmin * local.scale;
-    local.smax = tmax * local.scale;
-    vec3 size = abs(local.direction);
-    local.major = size.x >= size.y && size.x >= size.z ? 0u : (size.y >= size.z ? 1u : 2u);
-    local.first_triangle =
-        LS_FIRST(LsObjectArray(ls_scene.objects).at[local.object].first_triangle);
-    return ls_move_far_origin(local);
-}
-
 // (kx, ky, kz) of SPEC 7.4 without the swap: it negates U, V, W and det together, which changes
 // neither the decision nor s, u, v.
 vec3 ls_permute(vec3 v, uint major)
@@ -198,13 +157,14 @@ struct LsProjection
     float u, v, w;
 };
 
+// Triangle `index` of the whole array. Reads the ray's pivot, sheared and major alone.
 LsProjection ls_project(LsLocalRay ray, uint index)
 {
     LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    precise vec3 d = ls_permute(ray.direction, ray.major);
-    precise vec3 a = ls_permute(triangles.at[index].v0 - ray.origin, ray.major);
-    precise vec3 b = ls_permute(triangles.at[index].v1 - ray.origin, ray.major);
-    precise vec3 c = ls_permute(triangles.at[index].v2 - ray.origin, ray.major);
+    precise vec3 d = ray.sheared;
+    precise vec3 a = ls_permute(triangles.at[index].v0, ray.major) - ray.pivot;
+    precise vec3 b = ls_permute(triangles.at[index].v1, ray.major) - ray.pivot;
+    precise vec3 c = ls_permute(triangles.at[index].v2, ray.major) - ray.pivot;
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
@@ -214,37 +174,30 @@ LsProjection ls_project(LsLocalRay ray, uint index)
     return LsProjection(a, b, c, pa, pb, pc, u, v, w);
 }
 
-// The weights of the second and third corner where the ray meets a triangle that it hits.
-vec2 ls_hit_weights(LsLocalRay ray, uint index)
+// Whether the signs of U, V and W let the ray pass through: few triangles of a voxel get so far.
+bool ls_may_meet(LsProjection p)
 {
-    LsProjection p = ls_project(ray, index);
+    return !(min(min(p.u, p.v), p.w) < 0.0 && max(max(p.u, p.v), p.w) > 0.0);
+}
+
+// The weights of the second and third corner where the ray meets a triangle that it hits.
+vec2 ls_hit_weights(LsProjection p)
+{
     precise float det = (p.u + p.v) + p.w;
     precise vec2 weights = vec2(p.v / det, p.w / det);
     return weights;
 }
 
-// Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns
-// whether the ray may end: it is a hit and any hit was asked for. What only a hit needs is loaded
-// only then.
-bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
+// What is left of the test of a triangle that may be met, `s` being where. False if it is not.
+bool ls_meet(LsProjection p, float depth, float s0, out float s)
 {
-    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    uint index = ray.first_triangle + number;
-    LsProjection p = ls_project(ray, index);
+    s = 0.0;
     // Off the ends of a needle, U, V and W may all round to zero; the bounds tell. They cost no
     // hit: rounding turns a sign to zero at most, so whatever truly holds the ray accepts it.
     vec2 low = min(min(p.pa, p.pb), p.pc);
     vec2 high = max(max(p.pa, p.pb), p.pc);
-    if (max(low.x, low.y) > 0.0 || min(high.x, high.y) < 0.0)
-    {
-        return false;
-    }
-    if (min(min(p.u, p.v), p.w) < 0.0 && max(max(p.u, p.v), p.w) > 0.0)
-    {
-        return false;
-    }
     precise float det = (p.u + p.v) + p.w;
-    if (det == 0.0)
+    if (max(low.x, low.y) > 0.0 || min(high.x, high.y) < 0.0 || det == 0.0)
     {
         return false;
     }
@@ -270,34 +223,58 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
     precise vec2 beside = ((p.u * p.pa + p.v * p.pb) + p.w * p.pc) / det;
     precise float back = (beside.x * edge.x + beside.y * edge.y) / longest;
     precise float height = ((p.u * p.a.z + p.v * p.b.z) + p.w * p.c.z) / det - back * edge.z;
-    precise float quotient = height / ls_permute(ray.direction, ray.major).z;
-    precise float s = quotient + ray.s0;
-    if (!(s > ray.smin && s <= ray.smax))
+    precise float quotient = height / depth;
+    precise float distance = quotient + s0;
+    s = distance;
+    return true;
+}
+
+// Whether culling by the ray's flags leaves a triangle out.
+bool ls_is_culled(LsProjection p, float depth, bool mirrored, uint flags)
+{
+    if ((flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) == 0u)
     {
         return false;
     }
-    if (s == ray.smax &&
-        (best.instance == LS_NONE || ray.instance > best.instance ||
-         (ray.instance == best.instance &&
-          triangles.at[index].primitive >
-              triangles.at[ray.first_triangle + best.triangle].primitive)))
+    precise float det = (p.u + p.v) + p.w;
+    bool front = ((det > 0.0) == (depth > 0.0)) != mirrored;
+    return (flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) != 0u;
+}
+
+// Corner weights of the last hit that ls_test_triangle kept; kernels that never read them do not have
+// them.
+vec2 ls_best_weights;
+
+// Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns
+// whether the ray may end: it is a hit and any hit was asked for. What only a hit needs is loaded
+// only then.
+bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
+{
+    uint index = ray.first_triangle + number;
+    LsProjection p = ls_project(ray, index);
+    float s;
+    if (!ls_may_meet(p) || !ls_meet(p, ray.sheared.z, ray.s0, s) ||
+        !(s > ray.smin && s <= ray.smax))
     {
         return false;
     }
-    if ((ray.flags & (LS_RAY_FLAG_CULL_BACK_FACING | LS_RAY_FLAG_CULL_FRONT_FACING)) != 0u)
+    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    if (s == ray.smax && (best.instance == LS_NONE || ray.instance > best.instance ||
+                          (ray.instance == best.instance &&
+                           triangles.at[index].primitive >
+                               triangles.at[ray.first_triangle + best.triangle].primitive)))
     {
-        bool rises = ls_permute(ray.direction, ray.major).z > 0.0;
-        bool front = ((det > 0.0) == rises) != ray.mirrored;
-        if ((ray.flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) !=
-            0u)
-        {
-            return false;
-        }
+        return false;
+    }
+    if (ls_is_culled(p, ray.sheared.z, ray.mirrored, ray.flags))
+    {
+        return false;
     }
     ray.smax = s;
     best.t = s * ls_exact_inverse(ray.scale);
     best.instance = ray.instance;
     best.triangle = number;
+    ls_best_weights = ls_hit_weights(p);
     return (ray.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 

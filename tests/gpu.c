@@ -26,6 +26,7 @@ void ls_gpu_open(LsGpu* gpu)
     LsAppDeviceDesc desc = {0};
     require(ls_app_device_create(&gpu->device, &desc, &error), &error);
     LsContextDesc context = ls_app_context_desc(&gpu->device);
+    context.measures = true;
     require(ls_context_create(&context, &gpu->context, &error), &error);
     require(ls_app_tracer_create(&gpu->device, LS_GPU_BATCH, &gpu->tracer, &error), &error);
 }
@@ -55,6 +56,38 @@ void ls_gpu_scene_close(LsGpuScene* scene)
     *scene = (LsGpuScene){0};
 }
 
+// Exact tracing must answer alike in one pass and in two, whether lanes refill or not. Of rays that take any hit
+// only whether there is one can be compared.
+static void require_same_in_passes(LsGpu* gpu, const LsGpuScene* scene, const LsAppRun* whole,
+                                   const LsHit* hits)
+{
+    if (ls_trace_scratch_bytes(scene->scene, whole->ray_count) == 0)
+    {
+        return;
+    }
+    for (int coherent = gpu->device.is_cpu; coherent <= 1; coherent++)
+    {
+        LsAppRun run = *whole;
+        run.passes = LS_APP_TWO_PASSES;
+        run.coherent = coherent;
+        LsError error;
+        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, NULL, &error),
+                &error);
+        for (uint32_t i = 0; i < run.ray_count; i++)
+        {
+            const LsHit* other = &gpu->tracer.hits[i];
+            const bool same = (run.flags & LS_RAY_FLAG_ANY_HIT) != 0
+                                  ? (other->instance == LS_NONE) == (hits[i].instance == LS_NONE)
+                                  : memcmp(other, &hits[i], sizeof *other) == 0;
+            if (!same)
+            {
+                fail_msg("ray %u: t %g of primitive %u in two passes, %g of %u in one", i, other->t,
+                         other->primitive, hits[i].t, hits[i].primitive);
+            }
+        }
+    }
+}
+
 double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags,
                     const LsRay* rays, const uint32_t* masks, uint64_t count, LsHit* hits)
 {
@@ -67,13 +100,20 @@ double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32
         {
             memcpy(gpu->tracer.masks, masks + first, batch * sizeof(uint32_t));
         }
-        LsAppRun run = {
-            .ray_count = batch, .flags = flags, .method = method, .use_masks = masks != NULL};
+        LsAppRun run = {.ray_count = batch,
+                        .flags = flags,
+                        .method = method,
+                        .use_masks = masks != NULL,
+                        .passes = LS_APP_ONE_PASS};
         double seconds;
         LsError error;
         require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error),
                 &error);
         memcpy(hits + first, gpu->tracer.hits, batch * sizeof(LsHit));
+        if (method == LS_TRACE_EXACT)
+        {
+            require_same_in_passes(gpu, scene, &run, hits + first);
+        }
         total += seconds;
     }
     return total;

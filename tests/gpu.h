@@ -34,7 +34,8 @@ typedef struct LsGpuScene
 void ls_gpu_scene_open(LsGpu* gpu, LsGpuScene* scene, const char* path);
 void ls_gpu_scene_close(LsGpuScene* scene);
 
-// Traces rays[count] into hits[count]; masks[count] may be NULL, flags are LS_RAY_FLAG_*. Returns
+// Traces rays[count] into hits[count]; masks[count] may be NULL, flags are LS_RAY_FLAG_*. Exact
+// tracing is done in one pass and, where it is possible, in two, whose answers must be equal. Returns
 // the seconds that the kernel took by the GPU's clock.
 double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32_t flags,
                     const LsRay* rays, const uint32_t* masks, uint64_t count, LsHit* hits);

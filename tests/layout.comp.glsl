@@ -37,6 +37,10 @@ BUFFER(20, LsCornerColor);
 BUFFER(21, LsLamp);
 BUFFER(22, LsAnimation);
 BUFFER(23, LsChannel);
+BUFFER(24, LsTraceQueue);
+BUFFER(25, LsGridRay);
+BUFFER(26, LsListParams);
+BUFFER(27, LsGridParams);
 
 void main()
 {

@@ -23,7 +23,7 @@ static char folder[] = "/tmp/ls_test_runtime_XXXXXX";
 static char paths[LS_SMALL_COUNT][64];
 static LsGpu gpu;
 static LsGpuScene scenes[LS_SMALL_LARGE]; // all but the large ones
-static const LsMethod METHODS[] = {LS_TRACE_EXACT, LS_TRACE_BRUTE};
+static const LsMethod METHODS[] = {LS_TRACE_EXACT, LS_TRACE_BRUTE, LS_TRACE_GRID};
 
 static int set_up(void** state)
 {
@@ -107,7 +107,7 @@ static void test_known_hits(void** state)
     for (int i = 0; i < 2; i++)
     {
         const LsGpuScene* scene = &scenes[i == 0 ? LS_SMALL_LIST : LS_SMALL_GRID];
-        for (int m = 0; m < 2; m++)
+        for (int m = 0; m < 3; m++)
         {
             check_hit(trace_one(scene, METHODS[m], 0, ray_down(0.75f, 0.25f)),
                       (LsHit){.t = 1, .u = 0.5f, .v = 0.25f, .primitive = 0, .material = 0});
@@ -127,7 +127,7 @@ static void test_hits_from_both_ends_of_a_grid(void** state)
 {
     (void)state;
     const LsGpuScene* scene = &scenes[LS_SMALL_GRID];
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < 3; m++)
     {
         LsRay up = make_ray((LsVec3){0.75f, 0.25f, -3}, (LsVec3){0, 0, 1});
         check_hit(trace_one(scene, METHODS[m], 0, up),
@@ -142,7 +142,7 @@ static void test_interval_is_open(void** state)
 {
     (void)state;
     const LsGpuScene* scene = &scenes[LS_SMALL_LIST];
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < 3; m++)
     {
         LsRay ray = ray_down(0.75f, 0.25f);
         ray.tmin = 1;
@@ -172,7 +172,7 @@ static void test_misses(void** state)
         COUNT = sizeof(rays) / sizeof(rays[0])
     };
     const LsGpuScene* scene = &scenes[LS_SMALL_LIST];
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < 3; m++)
     {
         LsHit hits[COUNT];
         ls_gpu_trace(&gpu, scene, METHODS[m], 0, rays, NULL, COUNT, hits);
@@ -220,7 +220,7 @@ static void test_illegal_rays_miss(void** state)
     for (int s = 0; s <= LS_SMALL_INSTANCES; s++)
     {
         const LsGpuScene* scene = &scenes[s];
-        for (int m = 0; m < 2; m++)
+        for (int m = 0; m < 3; m++)
         {
             LsHit hits[COUNT];
             ls_gpu_trace(&gpu, scene, METHODS[m], 0, rays, NULL, COUNT, hits);
@@ -236,7 +236,7 @@ static void test_any_hit(void** state)
 {
     (void)state;
     const LsGpuScene* scene = &scenes[LS_SMALL_GRID];
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < 3; m++)
     {
         LsHit hit = trace_one(scene, METHODS[m], LS_RAY_FLAG_ANY_HIT, ray_down(0.25f, 0.75f));
         assert_true(hit.primitive == 2 || hit.primitive == 5);
@@ -257,7 +257,7 @@ static void test_culling(void** state)
         LsRay up = make_ray((LsVec3){x[i], 0.25f, -1}, (LsVec3){0, 0, 1});
         LsRay front = i == 2 ? up : down;
         LsRay back = i == 2 ? down : up;
-        for (int m = 0; m < 2; m++)
+        for (int m = 0; m < 3; m++)
         {
             assert_int_equal(trace_one(scene, METHODS[m], 0, front).instance, i);
             assert_int_equal(trace_one(scene, METHODS[m], 0, back).instance, i);
@@ -285,7 +285,7 @@ static void test_instances_and_masks(void** state)
         rays[i] = targets[i / 8];
         masks[i] = i % 8;
     }
-    for (int m = 0; m < 2; m++)
+    for (int m = 0; m < 3; m++)
     {
         LsHit hits[24];
         ls_gpu_trace(&gpu, scene, METHODS[m], 0, rays, masks, 24, hits);
@@ -363,7 +363,7 @@ static void test_wrong_arguments(void** state)
     }
     wrong[0].times = 16;
     wrong[1].flags = 8;
-    wrong[2].method = (LsMethod)2;
+    wrong[2].method = (LsMethod)4;
     wrong[3].rays = 0;
     wrong[4].hits = 0;
     wrong[5].rays += 8;
@@ -852,15 +852,15 @@ static uint32_t fail_each_call(bool separate_memory)
 static void test_each_call_fails_once(void** state)
 {
     (void)state;
-    // Two calls for the shader, two pipelines; five buffers of four calls each.
+    // A layout; a module and a pipeline for each of two methods; five buffers of four calls each.
     if (gpu.device.is_cpu)
     {
-        assert_int_equal(fail_each_call(false), 2 + 2 + 5 * 4);
+        assert_int_equal(fail_each_call(false), 1 + 2 * 2 + 5 * 4);
     }
     // Nothing is mapped but the ring (four calls, pool, commands, three fences); each array is
     // begun, ended, submitted; five waits and resets, for the ring has three slots.
     assert_int_equal(fail_each_call(gpu.device.is_cpu),
-                     2 + 2 + 5 * 3 + 4 + 1 + 1 + 3 + 5 * 3 + 5 * 2);
+                     1 + 2 * 2 + 5 * 3 + 4 + 1 + 1 + 3 + 5 * 3 + 5 * 2);
 }
 
 // A device that ends loops early says so, and no wrong answer gets through; others answer.

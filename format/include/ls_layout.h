@@ -421,8 +421,84 @@ LS_STRUCT(LsTraceParams)
 };
 LS_SIZE(LsTraceParams, 128);
 
+// ---- The two passes of scenes with one grid -----------------------------------------------------
+
+// What the first pass leaves for the second: rays that go on into the grid. Zeroed by the first pass called
+// with ray_count 0.
+LS_STRUCT(LsTraceQueue)
+{
+    uint32_t count;        // of rays: LsGridRay[count] follow
+    uint32_t next;         // that no lane has taken yet
+    uint32_t reserved[14]; // so that the rays begin at a multiple of 64
+};
+LS_SIZE(LsTraceQueue, 64);
+
+// A ray in the space of the grid's object, its direction scaled (SPEC 7.2), tmax that of its best hit so far.
+LS_STRUCT(LsGridRay)
+{
+    LsVec3 origin;
+    float smin;
+    LsVec3 direction;
+    float smax;
+    uint32_t index; // of the ray and its hit
+    float s0;
+    uint32_t scales; // bits 0..7 and 8..15 exponents of both scales, 16: a hit of equal t is better
+    uint32_t reserved;
+};
+LS_SIZE(LsGridRay, 48);
+
+// Push constants of the first pass: tops and lists.
+LS_STRUCT(LsListParams)
+{
+    LsAddress objects;
+    LsAddress instances;
+    LsAddress top_nodes;
+    LsAddress triangles;
+    LsAddress rays; // as in LsTraceParams
+    LsAddress hits;
+    LsAddress masks;
+    LsAddress queue; // LsTraceQueue
+    uint32_t ray_count;
+    uint32_t flags;
+    uint32_t top_node_count; // 0 without a top level
+    uint32_t grid_instance;
+    float transform_bound;
+    uint32_t reserved;
+};
+LS_SIZE(LsListParams, 88);
+
+// Push constants of the second pass: the grid. The fields of LsObject that it needs are the object's.
+LS_STRUCT(LsGridParams)
+{
+    LsAddress triangles;
+    LsAddress blocks;
+    LsAddress cell_blocks;
+    LsAddress subgrids;
+    LsAddress voxels;
+    LsAddress references;
+    LsAddress leaf_nodes;
+    LsAddress shafts;
+    LsAddress hits;
+    LsAddress queue;
+    LsVec3 grid_lower;
+    float inverse_cell;
+    uint32_t cells[3];
+    uint32_t flags; // LS_RAY_FLAG_*, LS_GRID_MIRRORED
+    uint32_t instance;
+    uint32_t object;
+    uint32_t first_triangle;
+    uint32_t first_subgrid_block; // cell_block_count - subgrid_count
+};
+LS_SIZE(LsGridParams, 128);
+
+#define LS_GRID_MIRRORED 0x80000000u // the instance turns the winding round
+
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
+#define LS_METHOD_GRID 2u  // the same cells without shafts: tells what these are worth
+// Exact, but instead of a hit what it took: `instance` holds the cells and empty cubes walked, `object` the shafts
+// looked up, `primitive` the triangles tested, `material` 0, t, u, v 0.
+#define LS_METHOD_COUNT 3u
 
 // Triangles that brute force tests in a round of its loop.
 #define LS_BRUTE_ROUND 8u

@@ -22,10 +22,17 @@ static const char HELP[] =
     "  --check N      compare the answers of N rays of each class, spread over all, with brute "
     "force\n"
     "                 on the same device: 20000; 0 compares none\n"
+    "  --method M     exact (default), or grid: the same cells without shafts, the same answers\n"
+    "  --passes N     2: lists of triangles first, then the grid; 1: all in one kernel (default: "
+    "2,\n"
+    "                 but on CPUs)\n"
     "  --device NAME  the device whose name contains NAME, not the fastest kind\n"
     "  --help, --version\n"
     "\n"
-    "Times are the GPU's own. Shadow rays ask for any hit, the others for the closest.\n"
+    "Times are the GPU's own. Shadow rays ask for any hit, the others for the closest. Cells (or\n"
+    "empty cubes) walked, shafts looked up and triangles tested are counted by exact tracing, by "
+    "a\n"
+    "ray on average.\n"
     "\n"
     "Exit codes: 0 done, 1 wrong usage, 2 missing file, 4 bad .lspace file, 5 no device, a "
     "failing\n"
@@ -44,6 +51,8 @@ typedef struct Options
     uint32_t width, height;
     uint32_t repeats;
     uint32_t checks;
+    LsMethod method;
+    LsAppPasses passes;
 } Options;
 
 // What one class of rays took, and how its answers compare.
@@ -54,6 +63,7 @@ typedef struct Row
     uint32_t hit_count;
     uint32_t checked_count;
     uint32_t differing_count;
+    double cells, shafts, tests; // walked, looked up, tested by a ray on average
 } Row;
 
 typedef struct Bench
@@ -101,6 +111,8 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         SIZE = 256,
         REPEAT,
         CHECK,
+        METHOD,
+        PASSES,
         DEVICE,
         HELP_WANTED,
         VERSION
@@ -109,6 +121,8 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         {"size", required_argument, NULL, SIZE},
         {"repeat", required_argument, NULL, REPEAT},
         {"check", required_argument, NULL, CHECK},
+        {"method", required_argument, NULL, METHOD},
+        {"passes", required_argument, NULL, PASSES},
         {"device", required_argument, NULL, DEVICE},
         {"help", no_argument, NULL, HELP_WANTED},
         {"version", no_argument, NULL, VERSION},
@@ -144,6 +158,22 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
                 return refuse_usage(LS_MESSAGE_LSBENCH_VALUE, "--check takes a number, not ",
                                     optarg);
             }
+            break;
+        case METHOD:
+            if (strcmp(optarg, "exact") != 0 && strcmp(optarg, "grid") != 0)
+            {
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE, "--method takes exact or grid, not ",
+                                    optarg);
+            }
+            options->method = optarg[0] == 'g' ? LS_TRACE_GRID : LS_TRACE_EXACT;
+            break;
+        case PASSES:
+            if (strcmp(optarg, "1") != 0 && strcmp(optarg, "2") != 0)
+            {
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE, "--passes takes 1 or 2, not ",
+                                    optarg);
+            }
+            options->passes = optarg[0] == '1' ? LS_APP_ONE_PASS : LS_APP_TWO_PASSES;
             break;
         case DEVICE:
             options->device_name = optarg;
@@ -181,7 +211,7 @@ static int compare_doubles(const void* a, const void* b)
 static LsResult open_bench(Bench* bench, const Options* options, LsError* error)
 {
     LsResult result =
-        ls_app_scene_open(&bench->scene, options->scene_path, options->device_name, error);
+        ls_app_scene_open(&bench->scene, options->scene_path, options->device_name, true, error);
     const uint32_t count = options->width * options->height;
     bench->hits = malloc(count * sizeof *bench->hits);
     bool is_memory = bench->hits != NULL;
@@ -217,7 +247,9 @@ static LsResult time_class(Bench* bench, LsRayClass class, const Options* option
     memcpy(bench->tracer.rays, bench->rays[class], row->ray_count * sizeof(LsRay));
     const LsAppRun run = {.ray_count = row->ray_count,
                           .flags = class == LS_SHADOW_RAYS ? LS_RAY_FLAG_ANY_HIT : 0,
-                          .method = LS_TRACE_EXACT};
+                          .method = options->method,
+                          .coherent = class == LS_CAMERA_RAYS,
+                          .passes = options->passes};
     LsResult result = LS_OK;
     double seconds = 0.0;
     for (uint32_t i = 0; i <= options->repeats && result == LS_OK; i++)
@@ -271,6 +303,26 @@ static LsResult check_class(Bench* bench, LsRayClass class, const Options* optio
     return result;
 }
 
+// What the rays of a class, which are still in the tracer, have to do. Rays of any hit stop at their first.
+static LsResult count_work(Bench* bench, LsRayClass class, LsError* error)
+{
+    Row* row = &bench->rows[class];
+    memcpy(bench->tracer.rays, bench->rays[class], row->ray_count * sizeof(LsRay));
+    const LsAppRun run = {.ray_count = row->ray_count,
+                          .flags = class == LS_SHADOW_RAYS ? LS_RAY_FLAG_ANY_HIT : 0,
+                          .method = LS_TRACE_COUNT};
+    const LsResult result = ls_app_tracer_run(&bench->scene.device, &bench->tracer,
+                                              bench->scene.scene, &run, NULL, error);
+    for (uint32_t i = 0; i < row->ray_count && result == LS_OK; i++)
+    {
+        const LsHit* work = &bench->tracer.hits[i];
+        row->cells += (double)work->instance / row->ray_count;
+        row->shafts += (double)work->object / row->ray_count;
+        row->tests += (double)work->primitive / row->ray_count;
+    }
+    return result;
+}
+
 static LsResult run_bench(Bench* bench, const Options* options, LsError* error)
 {
     LsResult result = open_bench(bench, options, error);
@@ -289,6 +341,7 @@ static LsResult run_bench(Bench* bench, const Options* options, LsError* error)
                                bench->rays[LS_DIFFUSE_RAYS]);
         }
         result = result == LS_OK ? check_class(bench, class, options, error) : result;
+        result = result == LS_OK ? count_work(bench, class, error) : result;
     }
     return result;
 }
@@ -306,19 +359,20 @@ static uint32_t print_report(const Bench* bench, const Options* options)
     {
         puts("the device has no timestamps: no times");
     }
-    printf("%-8s %9s %7s %11s %9s %9s %9s   %s\n", "rays", "count", "hits", "Mrays/s", "median ms",
-           "min ms", "max ms", "differing from brute force");
+    printf("%-8s %9s %7s %11s %9s %9s %9s %7s %7s %7s   %s\n", "rays", "count", "hits", "Mrays/s",
+           "median ms", "min ms", "max ms", "cells", "shafts", "tests",
+           "differing from brute force");
     uint32_t differing = 0;
     for (int class = 0; class < LS_RAY_CLASS_COUNT; class ++)
     {
         const Row* row = &bench->rows[class];
         const uint32_t n = options->repeats;
         const double median = 0.5 * (row->seconds[(n - 1) / 2] + row->seconds[n / 2]);
-        printf("%-8s %9u %5.1f %% %11.2f %9.3f %9.3f %9.3f   %u of %u\n",
+        printf("%-8s %9u %5.1f %% %11.2f %9.3f %9.3f %9.3f %7.2f %7.2f %7.2f   %u of %u\n",
                ls_ray_class_name((LsRayClass) class), row->ray_count,
                100.0 * row->hit_count / row->ray_count, row->ray_count / median * 1e-6,
-               median * 1e3, row->seconds[0] * 1e3, row->seconds[n - 1] * 1e3, row->differing_count,
-               row->checked_count);
+               median * 1e3, row->seconds[0] * 1e3, row->seconds[n - 1] * 1e3, row->cells,
+               row->shafts, row->tests, row->differing_count, row->checked_count);
         differing += row->differing_count;
     }
     return differing;

@@ -1,7 +1,7 @@
 #include "app_scene.h"
 
 LsResult ls_app_scene_open(LsAppScene* scene, const char* path, const char* device_name,
-                           LsError* error)
+                           bool measures, LsError* error)
 {
     *scene = (LsAppScene){0};
     LsResult result = ls_mapping_open(&scene->mapping, path, error);
@@ -16,7 +16,8 @@ LsResult ls_app_scene_open(LsAppScene* scene, const char* path, const char* devi
     }
     if (result == LS_OK)
     {
-        const LsContextDesc desc = ls_app_context_desc(&scene->device);
+        LsContextDesc desc = ls_app_context_desc(&scene->device);
+        desc.measures = measures;
         result = ls_context_create(&desc, &scene->context, error);
     }
     return result == LS_OK

@@ -16,10 +16,10 @@ typedef struct LsAppScene
 } LsAppScene;
 
 // Maps and opens the file, then creates device, context and scene; `device_name` as in
-// LsAppDeviceDesc. Errors: those of the calls it makes. After a failure, too, ls_app_scene_close must
+// LsAppDeviceDesc, `measures` as in LsContextDesc. Errors: those of the calls it makes. After a failure, too, ls_app_scene_close must
 // be called.
 LsResult ls_app_scene_open(LsAppScene* scene, const char* path, const char* device_name,
-                           LsError* error);
+                           bool measures, LsError* error);
 void ls_app_scene_close(LsAppScene* scene); // a zero scene is allowed
 
 #endif

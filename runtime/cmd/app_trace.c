@@ -49,7 +49,14 @@ void ls_app_tracer_destroy(const LsAppDevice* device, LsAppTracer* tracer)
     ls_app_buffer_destroy(device, &tracer->output);
     ls_app_buffer_destroy(device, &tracer->device_input);
     ls_app_buffer_destroy(device, &tracer->device_output);
+    ls_app_buffer_destroy(device, &tracer->scratch);
     *tracer = (LsAppTracer){0};
+}
+
+static bool takes_two_passes(const LsAppDevice* device, const LsAppRun* run)
+{
+    return run->passes == LS_APP_TWO_PASSES ||
+           (run->passes == LS_APP_PASSES_BEST && !device->is_cpu);
 }
 
 static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
@@ -80,6 +87,8 @@ static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
         .ray_count = run->ray_count,
         .flags = run->flags,
         .method = run->method,
+        .scratch = takes_two_passes(device, run) ? tracer->scratch.address : 0,
+        .coherent = run->coherent,
     };
     ls_app_clock_begin(device, commands);
     LsResult result = ls_trace_record(scene, commands, &trace, error);
@@ -112,11 +121,28 @@ static LsResult check_whole(const LsAppTracer* tracer, const LsAppRun* run, LsEr
     return LS_OK;
 }
 
+// Grows the scratch memory to what the run can use.
+static LsResult provide_scratch(const LsAppDevice* device, LsAppTracer* tracer,
+                                const LsScene* scene, const LsAppRun* run, LsError* error)
+{
+    const uint64_t bytes = ls_trace_scratch_bytes(scene, run->ray_count);
+    if (!takes_two_passes(device, run) || bytes <= tracer->scratch.bytes)
+    {
+        return LS_OK;
+    }
+    ls_app_buffer_destroy(device, &tracer->scratch);
+    return ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, bytes, &tracer->scratch, error);
+}
+
 LsResult ls_app_tracer_run(const LsAppDevice* device, LsAppTracer* tracer, LsScene* scene,
                            const LsAppRun* run, double* seconds, LsError* error)
 {
     VkCommandBuffer commands;
-    LsResult result = ls_app_commands_begin(device, &commands, error);
+    LsResult result = provide_scratch(device, tracer, scene, run, error);
+    if (result == LS_OK)
+    {
+        result = ls_app_commands_begin(device, &commands, error);
+    }
     if (result != LS_OK)
     {
         return result;

@@ -18,6 +18,7 @@ typedef struct LsAppTracer
     LsAppBuffer output;
     LsAppBuffer device_input; // as the kernel sees them; zero where it sees the host's
     LsAppBuffer device_output;
+    LsAppBuffer scratch; // for tracing in two passes; as large as a run has needed
 } LsAppTracer;
 
 // Bytes that input and output take together per ray.
@@ -29,6 +30,14 @@ LsResult ls_app_tracer_create(const LsAppDevice* device, uint32_t capacity, LsAp
 void ls_app_tracer_destroy(const LsAppDevice* device,
                            LsAppTracer* tracer); // a zero tracer is allowed
 
+// In how many passes exact rays are traced, where the scene and the device leave a choice.
+typedef enum LsAppPasses
+{
+    LS_APP_PASSES_BEST, // two, but on CPUs, where one is faster
+    LS_APP_ONE_PASS,
+    LS_APP_TWO_PASSES,
+} LsAppPasses;
+
 // One run over the first `ray_count` rays, at most capacity.
 typedef struct LsAppRun
 {
@@ -36,6 +45,8 @@ typedef struct LsAppRun
     uint32_t flags; // LS_RAY_FLAG_*
     LsMethod method;
     bool use_masks;
+    bool coherent; // rays of neighbouring numbers go similar ways
+    LsAppPasses passes;
 } LsAppRun;
 
 // Traces, waits, and says how long the kernel took by the GPU's clock, copies not counted;

@@ -27,7 +27,8 @@ static const char HELP[] =
     "  --rays FILE        rays to trace\n"
     "  -o, --output FILE  hits to write; whole or not at all\n"
     "  --any              any hit will do: t is 0, the numbers are those of some hit\n"
-    "  --method METHOD    exact: through the Line Space (default); brute: all triangles\n"
+    "  --method METHOD    exact: through the Line Space (default); grid: the same cells without\n"
+    "                     shafts; brute: all triangles. The answers are the same\n"
     "  --repeat N         trace N times; print median and spread of the GPU's time\n"
     "  --batch N          rays at a time: 1048576, fewer where memory is short\n"
     "  --device NAME      the device whose name contains NAME, not the fastest kind\n"
@@ -101,6 +102,22 @@ static LsExit refuse_usage(LsMessage message, const char* problem, const char* a
     return report(&error);
 }
 
+static const char* const METHODS[] = {
+    [LS_TRACE_EXACT] = "exact", [LS_TRACE_BRUTE] = "brute", [LS_TRACE_GRID] = "grid"};
+
+static bool parse_method(const char* text, LsMethod* method)
+{
+    for (size_t i = 0; i < sizeof METHODS / sizeof *METHODS; i++)
+    {
+        if (strcmp(text, METHODS[i]) == 0)
+        {
+            *method = (LsMethod)i;
+            return true;
+        }
+    }
+    return false;
+}
+
 // Sets *done when there is nothing left to do: help was asked for, or the exit code is not
 // LS_EXIT_OK.
 static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
@@ -147,12 +164,11 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
             options->flags |= LS_RAY_FLAG_ANY_HIT;
             break;
         case METHOD:
-            if (strcmp(optarg, "exact") != 0 && strcmp(optarg, "brute") != 0)
+            if (!parse_method(optarg, &options->method))
             {
-                return refuse_usage(LS_MESSAGE_LSTRACE_VALUE, "--method is exact or brute, not ",
-                                    optarg);
+                return refuse_usage(LS_MESSAGE_LSTRACE_VALUE,
+                                    "--method is exact, grid or brute, not ", optarg);
             }
-            options->method = optarg[0] == 'e' ? LS_TRACE_EXACT : LS_TRACE_BRUTE;
             break;
         case REPEAT:
             if (!parse_count(optarg, MAX_REPEATS, &options->repeats))
@@ -324,7 +340,8 @@ static LsResult open_trace(Trace* trace, const Options* options, LsError* error)
     }
     if (result == LS_OK)
     {
-        result = ls_app_scene_open(&trace->scene, options->scene_path, options->device_name, error);
+        result = ls_app_scene_open(&trace->scene, options->scene_path, options->device_name,
+                                   options->method == LS_TRACE_GRID, error);
     }
     return result == LS_OK ? create_tracer(trace, options->batch, error) : result;
 }
@@ -426,7 +443,7 @@ static void print_summary(Trace* trace, const Options* options)
     {
         fprintf(stream, "%" PRIu64 " rays, %" PRIu64 " hits (%.2f %%), %s, %s, on %s\n",
                 trace->traced_count, trace->hit_count, 100.0 * (double)trace->hit_count / rays,
-                options->method == LS_TRACE_EXACT ? "exact" : "brute force",
+                options->method == LS_TRACE_BRUTE ? "brute force" : METHODS[options->method],
                 options->flags & LS_RAY_FLAG_ANY_HIT ? "any hit" : "closest hit",
                 trace->scene.device.name);
     }

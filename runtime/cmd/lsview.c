@@ -409,7 +409,7 @@ static LsResult run(const Options* options, double program_begin, LsError* error
 
     LsAppScene scene;
     Report report = {0};
-    result = ls_app_scene_open(&scene, options->input, options->device_name, error);
+    result = ls_app_scene_open(&scene, options->input, options->device_name, false, error);
     if (result == LS_OK)
     {
         report.scene_bytes = ls_scene_device_bytes(scene.scene);

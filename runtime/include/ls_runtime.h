@@ -21,6 +21,7 @@
 
 #include "ls_format.h"
 
+#include <stdbool.h>
 #include <vulkan/vulkan_core.h>
 
 #ifdef __cplusplus
@@ -42,6 +43,8 @@ extern "C"
         // Both as the loader gave them; the library links no loader.
         VkInstance instance;
         PFN_vkGetInstanceProcAddr get_instance_proc_addr;
+        bool
+            measures; // scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, which takes time to compile
     } LsContextDesc;
 
     // Errors: DEVICE_FEATURE, DEVICE_MEMORY, DEVICE, MEMORY. On failure *context is NULL.
@@ -73,6 +76,10 @@ extern "C"
     {
         LS_TRACE_EXACT = LS_METHOD_EXACT, // through the Line Space
         LS_TRACE_BRUTE = LS_METHOD_BRUTE, // all triangles, same test; slow
+        LS_TRACE_GRID =
+            LS_METHOD_GRID, // the cells without shafts, to compare; LsContextDesc.measures
+        LS_TRACE_COUNT =
+            LS_METHOD_COUNT, // exact, but hits tell the work (LS_METHOD_COUNT); likewise
     } LsMethod;
 
     // One batch of rays. Buffers are device addresses from buffers with SHADER_DEVICE_ADDRESS
@@ -86,7 +93,16 @@ extern "C"
         uint32_t ray_count;    // at most 2^31
         uint32_t flags;        // LS_RAY_FLAG_*
         LsMethod method;
+        // Room of ls_trace_scratch_bytes for exact tracing in two passes, which is faster on scenes with
+        // one grid; 64-byte aligned, not used by two batches at a time. 0: one pass.
+        VkDeviceAddress scratch;
+        bool coherent; // rays of neighbouring numbers go similar ways; matters to speed alone
     } LsTraceDesc;
+
+    // Bytes of scratch memory that a batch of `ray_count` rays can use; 0 where the scene (more than
+    // one instance with a grid, or none) or the device (subgroups that cannot share work) has no use
+    // for it. It need not be initialised.
+    uint64_t ls_trace_scratch_bytes(const LsScene* scene, uint32_t ray_count);
 
     // Records dispatches that trace the batch. The caller synchronises: rays must be visible to
     // compute shader reads before, hits are compute shader writes. Errors: ARGUMENT; DEVICE_FEATURE

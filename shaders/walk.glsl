@@ -1,0 +1,307 @@
+// walk.glsl - the way of a ray through the cells of an object's grid, and the shaft that a voxel is crossed by.
+//
+// Cells are walked by whole numbers alone; a point on the ray only picks among the cells that an empty
+// cube or a voxel leaves open. The s and the axis by which a cell is left are those by which the
+// next is entered, so the intervals tile the ray. Planes of cells are whole numbers times a power
+// of two, exact in float. design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo
+// 1987; exactness: SPEC 7.5.
+//
+// Space is mirrored so that the ray falls along no axis: -x for x and cell ~c for cell c, both exact. What
+// lies ahead is then always at the greater coordinate. J. Revelles et al., "An Efficient Parametric Algorithm
+// for Octree Traversal", WSCG 2000, mirror so too.
+
+#ifndef LS_WALK_GLSL
+#define LS_WALK_GLSL
+
+#include "triangle.glsl"
+
+// A grid: of LsObject what walking needs, and where the object's parts of the arrays begin. Loaded once a ray,
+// or constant in a kernel for scenes of one grid.
+struct LsGrid
+{
+    vec3 lower; // object space
+    float inverse_cell;
+    uvec3 cells;
+    uint first_block;
+    uint first_cell_block;
+    uint first_voxel;
+    uint first_reference;
+    uint first_shaft_word;
+    uint first_leaf_node;
+    uint first_subgrid;
+    uint first_subgrid_block; // cell block of sub-grid 0
+};
+
+// Where a ray stands in the grid of its object: grid space, mirrored.
+struct LsWalk
+{
+    vec3 origin;
+    vec3 direction; // 0 along axes on which the ray never leaves its cell
+    vec3 inverse;   // +inf there
+    ivec3 mirror;   // -1 where mirrored, else 0
+    ivec3 cell;     // counts cells of the level
+    float s;        // where the cell is entered
+    uint axis;      // of the face through which; 3: none, the ray starts inside
+    uint level;
+    uint block;     // cell block of the sub-grid
+    uint leaf_node; // where a voxel's BVH goes on; 0: at its root
+    uint
+        first_reference; // what is to be tested before the next step: bit k is reference k from here on
+    uint mask;
+};
+
+// Places a ray at the first cell. False if it misses the grid, or if its best hit lies before it.
+bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
+{
+    float inverse_cell = grid.inverse_cell;
+    precise vec3 origin = (ray.origin - grid.lower) * inverse_cell;
+    bvec3 still = lessThan(abs(ray.direction), vec3(LS_SMALLEST_COMPONENT));
+    bvec3 falling = lessThan(mix(ray.direction, vec3(0.0), still), vec3(0.0));
+    precise vec3 inverse = abs(ls_inverse_direction(ray.direction)) / inverse_cell;
+    vec3 border = vec3(grid.cells);
+    walk.axis = 3u;
+    walk.level = 0u;
+    walk.block = 0u;
+    walk.leaf_node = 0u;
+    walk.first_reference = 0u;
+    walk.mask = 0u;
+
+    // A ray that stands still along an axis must stand inside the grid, and truly before its border: then the
+    // distance to a plane ahead is never 0 times infinity.
+    if (ls_max_component(mix(vec3(0.0), max(-origin, origin - border), still)) > 0.0)
+    {
+        return false;
+    }
+    origin = mix(origin, min(origin, uintBitsToFloat(floatBitsToUint(border) - 1u)), still);
+    walk.origin = mix(origin, -origin, falling);
+    walk.direction = mix(abs(ray.direction) * inverse_cell, vec3(0.0), still);
+    walk.inverse = mix(inverse, vec3(LS_INFINITY), still);
+    walk.mirror = mix(ivec3(0), ivec3(-1), falling);
+
+    // Triangles keep a margin to the grid's border, so this needs no growth.
+    vec3 low = mix(vec3(0.0), -border, falling);
+    precise vec3 s_low = (low - walk.origin) * inverse;
+    precise vec3 s_high = (low + border - walk.origin) * inverse;
+    float s_enter = ls_max_component(mix(s_low, vec3(-LS_INFINITY), still));
+    float s_leave = ls_min_component(mix(s_high, vec3(LS_INFINITY), still));
+    precise float s_first = ray.smin - ray.s0;
+    precise float s = max(s_enter, s_first);
+    walk.s = s;
+    walk.cell = ivec3(clamp(floor(walk.origin + walk.direction * s), low, low + border - 1.0));
+    precise float s_end = s + ray.s0;
+    return s_enter <= s_leave && s <= s_leave && s_end <= ray.smax;
+}
+
+// Whether the ray has left the grid, or nothing ahead can be nearer than its best hit: what lies beyond has
+// a greater s, compared with s0 added, as hits are.
+bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
+{
+    precise float s_end = walk.s + ray.s0;
+    uvec3 at = uvec3(walk.cell ^ walk.mirror); // of cells below 0, greater than any size
+    bool outside = any(greaterThanEqual(at, grid.cells));
+    return ray.smax < s_end || (outside && (LS_HAS_SUBGRIDS == 0u || walk.level == 0u));
+}
+
+uint ls_min_axis(vec3 v)
+{
+    return v.x <= v.y && v.x <= v.z ? 0u : (v.y <= v.z ? 1u : 2u);
+}
+
+uint ls_max_axis(vec3 v)
+{
+    return v.x >= v.y && v.x >= v.z ? 0u : (v.y >= v.z ? 1u : 2u);
+}
+
+// Patch index on the face of `axis` of a point in the voxel's coordinates, clamped onto it.
+uint ls_patch_index(vec3 point, ivec3 mirror, uint axis, uint patches)
+{
+    float n = float(patches);
+    ivec3 k = ivec3(clamp(point * n, vec3(0.0), vec3(n - 0.5)));
+    k = (k ^ mirror) + (mirror & ivec3(patches));
+    ivec2 on_face = axis == 0u ? k.yz : (axis == 1u ? k.zx : k.xy);
+    return uint(on_face.x) * patches + uint(on_face.y);
+}
+
+uint ls_mirror_bit(ivec3 mirror, uint axis)
+{
+    return uint(axis == 0u ? mirror.x : (axis == 1u ? mirror.y : mirror.z)) & 1u;
+}
+
+// The mask of the shaft through which the ray crosses a voxel: it enters at `point_in` by the near face of
+// axis_in and leaves at `point_out` by the far face of axis_out, points in the voxel's coordinates. SPEC
+// chapter 6.
+uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, ivec3 mirror, uint axis_in, vec3 point_in,
+                   uint axis_out, vec3 point_out)
+{
+    uint patches = (voxel.shape >> 8) & 0xFFu;
+    uint width_log2 = (voxel.shape >> 16) & 0xFFu;
+    uint patch_in = ls_patch_index(point_in, mirror, axis_in, patches);
+    uint patch_out = ls_patch_index(point_out, mirror, axis_out, patches);
+    uint face_in = 2u * axis_in + ls_mirror_bit(mirror, axis_in);
+    uint face_out = 2u * axis_out + (ls_mirror_bit(mirror, axis_out) ^ 1u);
+    bool forward = face_in < face_out;
+    uint face_a = forward ? face_in : face_out;
+    uint face_b = forward ? face_out : face_in;
+    uint patch_a = forward ? patch_in : patch_out;
+    uint patch_b = forward ? patch_out : patch_in;
+    uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
+    uint shaft = (pair * patches * patches + patch_a) * patches * patches + patch_b;
+    uint bit = shaft << width_log2;
+    return LsWordArray(ls_scene.shafts).at[first_shaft_word + voxel.table + (bit >> 5)] >>
+           (bit & 31u);
+}
+
+// Goes on in a voxel's BVH to the next leaf that the ray meets, and asks for its triangles. False if there is
+// none.
+bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
+{
+    LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
+    uint first_node = grid.first_leaf_node + voxel.table;
+    uint node_count = nodes.at[first_node].escape;
+    // Of an infinite inverse the one that ls_inverse_direction gives, so that no product is NaN.
+    vec3 inverse = min(walk.inverse, vec3(1.0 / (LS_SMALLEST_COMPONENT * grid.inverse_cell)));
+    bvec3 falling = notEqual(walk.mirror, ivec3(0));
+    float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
+    precise float s_first = ray.smin - ray.s0;
+    uint i = walk.leaf_node;
+    while (i < node_count)
+    {
+        LsBvhNode node = nodes.at[first_node + i];
+        bool met = ls_meets_box(walk.origin, inverse, mix(node.lower, -node.upper, falling),
+                                mix(node.upper, -node.lower, falling), s_first, s_limit);
+        i = met ? i + 1u : node.escape;
+        if (met && node.leaf != 0u)
+        {
+            walk.first_reference = grid.first_reference + voxel.first_reference + (node.leaf >> 4);
+            walk.mask = (1u << (node.leaf & 15u)) - 1u;
+            walk.leaf_node = i;
+            return true;
+        }
+    }
+    walk.leaf_node = 0u;
+    return false;
+}
+
+// One cell, or one leaf of a BVH: what of it is to be tested is in the walk afterwards, which then stands before
+// the next.
+void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
+{
+    ivec3 cell = walk.cell;
+    uvec3 at = uvec3(cell ^ walk.mirror);
+    float cells_per_unit = 1.0; // 4^level, and its inverse
+    float cell_size = 1.0;
+    if (LS_HAS_SUBGRIDS != 0u)
+    {
+        cells_per_unit = uintBitsToFloat((127u + 2u * walk.level) << 23);
+        cell_size = uintBitsToFloat((127u - 2u * walk.level) << 23);
+    }
+    walk.mask = 0u;
+    ls_work.x++;
+
+    // What stands here: an empty cube, which begins at `base` and grows with the ray, or a voxel.
+    uint word = 0u;
+    ivec3 base = cell;
+    uint unit_log2 = 0u;
+    bool in_block = true;
+    if (LS_HAS_SUBGRIDS == 0u || walk.level == 0u)
+    {
+        uvec3 at_block = at >> 2;
+        uint blocks_x = (grid.cells.x + 3u) >> 2;
+        uint blocks_y = (grid.cells.y + 3u) >> 2;
+        word = LsWordArray(ls_scene.blocks)
+                   .at[grid.first_block + at_block.x +
+                       blocks_x * (at_block.y + blocks_y * at_block.z)];
+        in_block = (word & 15u) == 0u;
+        walk.block = in_block ? word >> 4 : walk.block;
+    }
+    if (in_block)
+    {
+        uvec3 in_at = at & 3u;
+        word = LsWordArray(ls_scene.cell_blocks)
+                   .at[(grid.first_cell_block + walk.block) * LS_BLOCK_CELLS + in_at.x +
+                       4u * in_at.y + 16u * in_at.z];
+    }
+    else
+    {
+        base = cell & ~3;
+        unit_log2 = 2u;
+    }
+    bool filled = (word & 15u) == 0u;
+    LsVoxel voxel;
+    if (filled)
+    {
+        voxel = LsVoxelArray(ls_scene.voxels).at[grid.first_voxel + (word >> 4)];
+        uint kind = voxel.shape & 0xFFu;
+        if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
+        {
+            walk.level++;
+            walk.block = voxel.table;
+            ivec3 low = cell * 4;
+            vec3 point = (walk.origin + walk.direction * walk.s) * (cells_per_unit * 4.0);
+            ivec3 below = clamp(ivec3(floor(point)), low, low + 3);
+            walk.cell = mix(below, low, ls_is_axis(walk.axis));
+            return;
+        }
+        if (LS_HAS_LEAF_BVHS != 0u && kind == LS_VOXEL_BVH && ls_walk_leaf(grid, ray, walk, voxel))
+        {
+            return;
+        }
+    }
+
+    // The far planes, and where the ray leaves through them. Outside the grid all is empty;
+    // outside a sub-grid it is not.
+    uint octant_shift = uint((walk.mirror.x & 4) | (walk.mirror.y & 8) | (walk.mirror.z & 16));
+    ivec3 plane = base + (filled ? 1 : int(((word >> octant_shift) & 15u) << unit_log2));
+    if (LS_HAS_SUBGRIDS != 0u && walk.level > 0u)
+    {
+        plane = min(plane, (cell & ~3) + 4);
+    }
+    precise vec3 s_planes = (vec3(plane) * cell_size - walk.origin) * walk.inverse;
+    uint axis_out = ls_min_axis(s_planes);
+    float s_out = max(ls_min_component(s_planes), walk.s);
+    vec3 point_out = (walk.origin + walk.direction * s_out) * cells_per_unit;
+
+    if (filled && (LS_HAS_LEAF_BVHS == 0u || (voxel.shape & 0xFFu) != LS_VOXEL_BVH))
+    {
+        walk.first_reference = grid.first_reference + voxel.first_reference;
+        walk.mask = voxel.reference_count >= 32u ? 0xFFFFFFFFu : (1u << voxel.reference_count) - 1u;
+        if (LS_HAS_MASKS != 0u && LS_METHOD != LS_METHOD_GRID &&
+            (voxel.shape & 0xFFu) == LS_VOXEL_MASKS)
+        {
+            // A ray that starts in the voxel gets the shaft of its whole line through it.
+            float s_in = walk.s;
+            uint axis_in = walk.axis;
+            if (walk.axis == 3u)
+            {
+                precise vec3 s_near = (vec3(cell) * cell_size - walk.origin) * walk.inverse;
+                s_near = mix(s_near, vec3(-LS_INFINITY), equal(walk.direction, vec3(0.0)));
+                axis_in = ls_max_axis(s_near);
+                s_in = min(ls_max_component(s_near), walk.s);
+            }
+            vec3 point_in = (walk.origin + walk.direction * s_in) * cells_per_unit;
+            walk.mask &= ls_shaft_mask(voxel, grid.first_shaft_word, walk.mirror, axis_in,
+                                       point_in - vec3(cell), axis_out, point_out - vec3(cell));
+            ls_work.y++;
+        }
+        ls_work.z += bitCount(walk.mask);
+    }
+
+    // Step through the plane of axis_out; along the other axes the ray stays within the cube.
+    ivec3 next = mix(clamp(ivec3(floor(point_out)), cell, plane - 1), plane, ls_is_axis(axis_out));
+    walk.s = s_out;
+    walk.axis = axis_out;
+    while (LS_HAS_SUBGRIDS != 0u && walk.level > 0u && any(notEqual(next >> 2, cell >> 2)))
+    {
+        walk.level--;
+        cell = cell >> 2;
+        next = next >> 2;
+        if (walk.level > 0u)
+        {
+            uint subgrid = walk.block - grid.first_subgrid_block;
+            walk.block = LsWordArray(ls_scene.subgrids).at[grid.first_subgrid + subgrid];
+        }
+    }
+    walk.cell = next;
+}
+
+#endif
