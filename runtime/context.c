@@ -155,6 +155,7 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     }
     // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
     context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
+    context->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     context->shared_lanes = count_shared_lanes(&subgroups);
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];
 

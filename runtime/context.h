@@ -56,6 +56,7 @@ struct LsContext
     uint32_t max_group_count;      // work groups of one dispatch
     uint64_t max_loop_rounds;      // of one shader invocation, all loops together
     uint32_t shared_lanes;         // of a subgroup, if lanes can share work: 4, 8, 16 or 32; else 0
+    bool is_cpu;                   // software
     bool measures;                 // LsContextDesc
     bool unified;                  // all memory is near the device and the host maps it
 };

@@ -6,13 +6,15 @@
 #include "trace_lists_spv.h"
 #include "trace_spv.h"
 
-// By constant id: the method, one per feature bit in order, the work group's size, whether lanes refill.
+// By constant id: the method, one per feature bit in order, the work group's size, whether lanes refill, whether
+// they defer.
 enum
 {
     METHOD,
     FIRST_FEATURE,
     GROUP_SIZE = 7,
     REFILL,
+    DEFERS,
     CONSTANT_COUNT
 };
 
@@ -94,8 +96,8 @@ static LsResult create_pipeline(const LsContext* context, const KernelDesc* desc
     return ls_vulkan_result(code, "vkCreateComputePipelines", error);
 }
 
-static KernelDesc describe(const uint32_t* code, size_t code_bytes, uint64_t features,
-                           LsMethod method, uint32_t group_size, bool refills)
+static KernelDesc describe(const LsContext* context, const uint32_t* code, size_t code_bytes,
+                           uint64_t features, LsMethod method, uint32_t group_size, bool refills)
 {
     KernelDesc desc = {.code = code, .code_bytes = code_bytes};
     desc.constants[METHOD] = method;
@@ -105,18 +107,19 @@ static KernelDesc describe(const uint32_t* code, size_t code_bytes, uint64_t fea
     }
     desc.constants[GROUP_SIZE] = group_size;
     desc.constants[REFILL] = refills;
+    desc.constants[DEFERS] = !context->is_cpu;
     return desc;
 }
 
 static LsResult create_passes(const LsContext* context, uint64_t features, LsTraceKernel* kernel,
                               LsError* error)
 {
-    const KernelDesc lists = describe(trace_lists_spv, sizeof(trace_lists_spv), features,
+    const KernelDesc lists = describe(context, trace_lists_spv, sizeof(trace_lists_spv), features,
                                       LS_TRACE_EXACT, LS_LISTS_GROUP_SIZE, false);
     LsResult result = create_pipeline(context, &lists, kernel->layout, &kernel->lists, error);
     for (int refills = 0; refills <= 1 && result == LS_OK; refills++)
     {
-        const KernelDesc grid = describe(trace_grid_spv, sizeof(trace_grid_spv), features,
+        const KernelDesc grid = describe(context, trace_grid_spv, sizeof(trace_grid_spv), features,
                                          LS_TRACE_EXACT, context->shared_lanes, refills);
         result = create_pipeline(context, &grid, kernel->layout, &kernel->grid[refills], error);
     }
@@ -132,8 +135,8 @@ LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, boo
     const uint32_t method_count = context->measures ? LS_METHOD_COUNT_OF : LS_TRACE_GRID;
     for (uint32_t method = 0; method < method_count && result == LS_OK; method++)
     {
-        const KernelDesc desc = describe(trace_spv, sizeof(trace_spv), features, (LsMethod)method,
-                                         LS_TRACE_GROUP_SIZE, false);
+        const KernelDesc desc = describe(context, trace_spv, sizeof(trace_spv), features,
+                                         (LsMethod)method, LS_TRACE_GROUP_SIZE, false);
         result = create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
     }
     if (result == LS_OK && has_passes)

@@ -113,4 +113,35 @@ bool ls_carry_ray(LsRay ray, uint index, float tmax, uint flags, out LsLocalRay 
     return ls_local_ray_finish(local, ray.tmin, tmax);
 }
 
+// Tests the triangles of a list. True if the ray may end.
+bool ls_test_list(inout LsLocalRay ray, inout LsBest best, uint count)
+{
+    uint first = 0u;
+    for (; first < count; first += 32u)
+    {
+        uint end = min(first + 32u, count);
+        uint left = 0u;
+        uint i = first;
+        for (; i < end; i++)
+        {
+            bool may_meet = LS_DEFERS == 0u || ls_may_meet(ls_project(ray, ray.first_triangle + i));
+            left |= may_meet ? 1u << (i - first) : 0u;
+        }
+        ls_cut = ls_cut || int(i - end) < 0;
+        while (left != 0u)
+        {
+            uint bit = uint(findLSB(left));
+            left &= left - 1u;
+            if (ls_test_triangle(ray, best, first + bit))
+            {
+                return true;
+            }
+        }
+        ls_cut = ls_cut || int(left | (0u - left)) < 0;
+    }
+    ls_cut = ls_cut || int(first - count) < 0;
+    ls_work.z += count;
+    return false;
+}
+
 #endif

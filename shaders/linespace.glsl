@@ -24,16 +24,26 @@ const uint LS_MAX_ROUNDS = 1u << 24;
 bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_reference, uint mask)
 {
     LsWordArray references = LsWordArray(ls_scene.references);
+    uint left = LS_DEFERS != 0u ? 0u : mask;
+    mask = LS_DEFERS != 0u ? mask : 0u;
     while (mask != 0u)
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
+        uint index = ray.first_triangle + references.at[first_reference + bit];
+        left |= ls_may_meet(ls_project(ray, index)) ? 1u << bit : 0u;
+    }
+    ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
+    while (left != 0u)
+    {
+        uint bit = uint(findLSB(left));
+        left &= left - 1u;
         if (ls_test_triangle(ray, best, references.at[first_reference + bit]))
         {
             return true;
         }
     }
-    ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
+    ls_cut = ls_cut || int(left | (0u - left)) < 0;
     return false;
 }
 
@@ -48,31 +58,18 @@ bool ls_test_four(inout LsLocalRay ray, inout LsBest best, uint number, uint las
     return done;
 }
 
-// Tests all triangles of an object; brute force takes LS_BRUTE_ROUND a round, to stay within
-// llvmpipe's rounds.
+// Brute force over an object, LS_BRUTE_ROUND triangles a round, to stay within llvmpipe's rounds.
 bool ls_test_all(inout LsLocalRay ray, inout LsBest best, uint count)
 {
-    uint round = LS_METHOD == LS_METHOD_BRUTE ? LS_BRUTE_ROUND : 1u;
     uint i = 0u;
-    for (; i < count; i += round)
+    for (; i < count; i += LS_BRUTE_ROUND)
     {
-        bool done;
-        if (LS_METHOD == LS_METHOD_BRUTE)
-        {
-            done = ls_test_four(ray, best, i, count - 1u) ||
-                   ls_test_four(ray, best, i + 4u, count - 1u);
-        }
-        else
-        {
-            done = ls_test_triangle(ray, best, i);
-        }
-        if (done)
+        if (ls_test_four(ray, best, i, count - 1u) || ls_test_four(ray, best, i + 4u, count - 1u))
         {
             return true;
         }
     }
     ls_cut = ls_cut || int(i - count) < 0;
-    ls_work.z += count;
     return false;
 }
 
@@ -120,9 +117,13 @@ bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
 {
     LsObjectArray objects = LsObjectArray(ls_scene.objects);
     uint count = objects.at[ray.object].triangle_count;
-    bool has_grid = LS_METHOD != LS_METHOD_BRUTE && LS_HAS_GRIDS != 0u &&
-                    (LS_HAS_LISTS == 0u || objects.at[ray.object].kind == LS_OBJECT_GRID);
-    return has_grid ? ls_walk_grid(ray, best) : ls_test_all(ray, best, count);
+    bool has_grid =
+        LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || objects.at[ray.object].kind == LS_OBJECT_GRID);
+    if (LS_METHOD == LS_METHOD_BRUTE)
+    {
+        return ls_test_all(ray, best, count);
+    }
+    return has_grid ? ls_walk_grid(ray, best) : ls_test_list(ray, best, count);
 }
 
 // Carries a scaled ray into an instance and traces it there. True if the ray may end.

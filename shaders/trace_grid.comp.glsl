@@ -248,17 +248,30 @@ void main()
             }
             subgroupMemoryBarrierShared();
         }
-        if (walks && walk.mask == 0u)
+
+        // Walk until there is something better to do.
+        uint pair_count;
+        while (true)
         {
-            walks = !ls_walk_is_over(get_grid(), traced.ray, walk);
-            if (walks)
+            pair_count = subgroupAdd(bitCount(walk.mask));
+            bool steps = walks && walk.mask == 0u;
+            uint fewest = drained ? LANES : FEWEST_IDLE;
+            if (pair_count >= FEWEST_PAIRS || !subgroupAny(steps) ||
+                subgroupBallotBitCount(subgroupBallot(!walks && walk.mask == 0u)) >= fewest)
             {
-                ls_walk_step(get_grid(), traced.ray, walk);
+                break;
+            }
+            if (steps)
+            {
+                walks = !ls_walk_is_over(get_grid(), traced.ray, walk);
+                if (walks)
+                {
+                    ls_walk_step(get_grid(), traced.ray, walk);
+                }
             }
         }
-        uint pair_count = subgroupAdd(bitCount(walk.mask));
-        bool go_on = subgroupAny(walks && walk.mask == 0u);
-        if (pair_count >= FEWEST_PAIRS || (pair_count != 0u && !go_on))
+        bool steps = walks && walk.mask == 0u;
+        if (pair_count >= FEWEST_PAIRS || (pair_count != 0u && !subgroupAny(steps)))
         {
             if (share_tests(traced, walk.mask, walk.first_reference, pair_count))
             {

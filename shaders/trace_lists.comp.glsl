@@ -48,36 +48,6 @@ bool sees(uint instance, uint mask)
     return (LsInstanceArray(params.instances).at[instance].mask & mask) != 0u;
 }
 
-// Tests the triangles of a list: the quick part for all, then the rest for those that are left, so that the lanes do
-// each together. True if the ray may end.
-bool test_list(inout LsLocalRay ray, inout LsBest best, uint count)
-{
-    uint first = 0u;
-    for (; first < count; first += 32u)
-    {
-        uint left = 0u;
-        uint i = first;
-        uint end = min(first + 32u, count);
-        for (; i < end; i++)
-        {
-            left |= ls_may_meet(ls_project(ray, ray.first_triangle + i)) ? 1u << (i - first) : 0u;
-        }
-        ls_cut = ls_cut || int(i - end) < 0;
-        while (left != 0u)
-        {
-            uint bit = uint(findLSB(left));
-            left &= left - 1u;
-            if (ls_test_triangle(ray, best, first + bit))
-            {
-                return true;
-            }
-        }
-        ls_cut = ls_cut || int(left | (0u - left)) < 0;
-    }
-    ls_cut = ls_cut || int(first - count) < 0;
-    return false;
-}
-
 // Traces a scaled ray through the instances that are lists; true if it may end. All lanes look at the same node at
 // a time: scenes of one grid have few. Tells whether the ray meets the grid's box.
 bool trace_lists(LsRay ray, uint mask, inout LsBest best, out bool meets_grid)
@@ -109,7 +79,7 @@ bool trace_lists(LsRay ray, uint mask, inout LsBest best, out bool meets_grid)
             ls_carry_ray(ray, instance, best.t, params.flags, local))
         {
             uint count = LsObjectArray(params.objects).at[local.object].triangle_count;
-            if (test_list(local, best, count))
+            if (ls_test_list(local, best, count))
             {
                 return true;
             }

@@ -38,7 +38,7 @@ struct LsWalk
     vec3 origin;
     vec3 direction; // 0 along axes on which the ray never leaves its cell
     vec3 inverse;   // +inf there
-    ivec3 mirror;   // -1 where mirrored, else 0
+    uint mirror;    // bit i: axis i is mirrored; in bits, for registers decide the speed
     ivec3 cell;     // counts cells of the level
     float s;        // where the cell is entered
     uint axis;      // of the face through which; 3: none, the ray starts inside
@@ -49,6 +49,12 @@ struct LsWalk
         first_reference; // what is to be tested before the next step: bit k is reference k from here on
     uint mask;
 };
+
+// -1 for axes that are mirrored, else 0: what a cell is xored with.
+ivec3 ls_mirror(uint mirror)
+{
+    return -ivec3((uvec3(mirror) >> uvec3(0u, 1u, 2u)) & 1u);
+}
 
 // Places a ray at the first cell. False if it misses the grid, or if its best hit lies before it.
 bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
@@ -76,7 +82,7 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     walk.origin = mix(origin, -origin, falling);
     walk.direction = mix(abs(ray.direction) * inverse_cell, vec3(0.0), still);
     walk.inverse = mix(inverse, vec3(LS_INFINITY), still);
-    walk.mirror = mix(ivec3(0), ivec3(-1), falling);
+    walk.mirror = uint(falling.x) | (uint(falling.y) << 1) | (uint(falling.z) << 2);
 
     // Triangles keep a margin to the grid's border, so this needs no growth.
     vec3 low = mix(vec3(0.0), -border, falling);
@@ -97,7 +103,7 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
 bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
 {
     precise float s_end = walk.s + ray.s0;
-    uvec3 at = uvec3(walk.cell ^ walk.mirror); // of cells below 0, greater than any size
+    uvec3 at = uvec3(walk.cell ^ ls_mirror(walk.mirror)); // of cells below 0, greater than any size
     bool outside = any(greaterThanEqual(at, grid.cells));
     return ray.smax < s_end || (outside && (LS_HAS_SUBGRIDS == 0u || walk.level == 0u));
 }
@@ -113,32 +119,28 @@ uint ls_max_axis(vec3 v)
 }
 
 // Patch index on the face of `axis` of a point in the voxel's coordinates, clamped onto it.
-uint ls_patch_index(vec3 point, ivec3 mirror, uint axis, uint patches)
+uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
 {
     float n = float(patches);
     ivec3 k = ivec3(clamp(point * n, vec3(0.0), vec3(n - 0.5)));
-    k = (k ^ mirror) + (mirror & ivec3(patches));
+    ivec3 turned = ls_mirror(mirror);
+    k = (k ^ turned) + (turned & ivec3(patches));
     ivec2 on_face = axis == 0u ? k.yz : (axis == 1u ? k.zx : k.xy);
     return uint(on_face.x) * patches + uint(on_face.y);
-}
-
-uint ls_mirror_bit(ivec3 mirror, uint axis)
-{
-    return uint(axis == 0u ? mirror.x : (axis == 1u ? mirror.y : mirror.z)) & 1u;
 }
 
 // The mask of the shaft through which the ray crosses a voxel: it enters at `point_in` by the near face of
 // axis_in and leaves at `point_out` by the far face of axis_out, points in the voxel's coordinates. SPEC
 // chapter 6.
-uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, ivec3 mirror, uint axis_in, vec3 point_in,
+uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_in, vec3 point_in,
                    uint axis_out, vec3 point_out)
 {
     uint patches = (voxel.shape >> 8) & 0xFFu;
     uint width_log2 = (voxel.shape >> 16) & 0xFFu;
     uint patch_in = ls_patch_index(point_in, mirror, axis_in, patches);
     uint patch_out = ls_patch_index(point_out, mirror, axis_out, patches);
-    uint face_in = 2u * axis_in + ls_mirror_bit(mirror, axis_in);
-    uint face_out = 2u * axis_out + (ls_mirror_bit(mirror, axis_out) ^ 1u);
+    uint face_in = 2u * axis_in + ((mirror >> axis_in) & 1u);
+    uint face_out = 2u * axis_out + (~(mirror >> axis_out) & 1u);
     bool forward = face_in < face_out;
     uint face_a = forward ? face_in : face_out;
     uint face_b = forward ? face_out : face_in;
@@ -160,7 +162,7 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     uint node_count = nodes.at[first_node].escape;
     // Of an infinite inverse the one that ls_inverse_direction gives, so that no product is NaN.
     vec3 inverse = min(walk.inverse, vec3(1.0 / (LS_SMALLEST_COMPONENT * grid.inverse_cell)));
-    bvec3 falling = notEqual(walk.mirror, ivec3(0));
+    bvec3 falling = notEqual(ls_mirror(walk.mirror), ivec3(0));
     float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
     precise float s_first = ray.smin - ray.s0;
     uint i = walk.leaf_node;
@@ -187,7 +189,7 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
 void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
 {
     ivec3 cell = walk.cell;
-    uvec3 at = uvec3(cell ^ walk.mirror);
+    uvec3 at = uvec3(cell ^ ls_mirror(walk.mirror));
     float cells_per_unit = 1.0; // 4^level, and its inverse
     float cell_size = 1.0;
     if (LS_HAS_SUBGRIDS != 0u)
@@ -250,8 +252,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
 
     // The far planes, and where the ray leaves through them. Outside the grid all is empty;
     // outside a sub-grid it is not.
-    uint octant_shift = uint((walk.mirror.x & 4) | (walk.mirror.y & 8) | (walk.mirror.z & 16));
-    ivec3 plane = base + (filled ? 1 : int(((word >> octant_shift) & 15u) << unit_log2));
+    ivec3 plane = base + (filled ? 1 : int(((word >> (4u * walk.mirror)) & 15u) << unit_log2));
     if (LS_HAS_SUBGRIDS != 0u && walk.level > 0u)
     {
         plane = min(plane, (cell & ~3) + 4);

@@ -130,21 +130,22 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
         return ls_app_vk_result(code, "vkCreateShaderModule", error);
     }
 
-    // Constants 0 to 6 are those of scene.glsl, 7 the work group, 8 of the path tracer.
-    uint32_t values[9] = {LS_METHOD_EXACT};
+    // Constants 0 to 6 and 9 are those of scene.glsl, 7 the work group, 8 of the path tracer.
+    uint32_t values[10] = {LS_METHOD_EXACT};
     for (uint32_t i = 0; i < 6; i++)
     {
         values[1 + i] = (features >> i) & 1;
     }
     values[7] = GROUP_SIZE;
     values[8] = has_lights;
-    VkSpecializationMapEntry entries[9];
-    for (uint32_t i = 0; i < 9; i++)
+    values[9] = !render->device->is_cpu;
+    VkSpecializationMapEntry entries[10];
+    for (uint32_t i = 0; i < 10; i++)
     {
         entries[i] = (VkSpecializationMapEntry){.constantID = i, .offset = 4 * i, .size = 4};
     }
     VkSpecializationInfo specialization = {
-        .mapEntryCount = 9,
+        .mapEntryCount = 10,
         .pMapEntries = entries,
         .dataSize = sizeof values,
         .pData = values,
