@@ -34,6 +34,9 @@ foreach(test test_compose test_material_file test_place)
 endforeach()
 
 # Inputs for test.sh, which bakes them with two compilers' builds.
+add_executable(write_hard_meshes write_hard_meshes.c hard_meshes.c)
+target_link_libraries(write_hard_meshes PRIVATE ls_test_scenes ls_options PkgConfig::CMOCKA m)
+
 add_executable(write_scenes write_scenes.c)
 target_link_libraries(write_scenes PRIVATE ls_test_scenes ls_options PkgConfig::CMOCKA)
 

@@ -1,6 +1,7 @@
 #include "box_rays.h"
 
 #include <math.h>
+#include <stdlib.h>
 
 #define CAMERA_Z 3.2f
 #define TAN_HALF_Y 0.38
@@ -75,32 +76,56 @@ static void carry_point(const LsInstance* instance, LsVec3 p, double out[3])
     }
 }
 
-static const LsTriangle* find_triangle(const LsFile* file, const LsHit* hit)
+// The triangle of each face of each object: grids reorder them.
+typedef struct Faces
 {
-    const LsObject* object = &file->objects[hit->object];
-    const LsTriangle* triangles = file->triangles + object->first_triangle;
-    // Primitives rise with the triangles of an object.
-    uint32_t first = 0;
-    uint32_t last = object->triangle_count - 1;
-    while (first < last)
+    const LsFile* file;
+    uint32_t** triangles; // per object, face_count indices into its part of TRIANGLES
+} Faces;
+
+static void destroy_faces(Faces* faces)
+{
+    for (uint32_t i = 0;
+         faces->triangles != NULL && i < ls_file_count(faces->file, LS_CHUNK_OBJECTS); i++)
     {
-        const uint32_t middle = (first + last) / 2;
-        if (triangles[middle].primitive < hit->primitive)
-        {
-            first = middle + 1;
-        }
-        else
-        {
-            last = middle;
-        }
+        free(faces->triangles[i]);
     }
-    return &triangles[first];
+    free(faces->triangles);
+    *faces = (Faces){0};
 }
 
-static Start start_at_hit(const LsFile* file, const LsRay* ray, const LsHit* hit)
+// False when out of memory; destroy_faces is due either way.
+static bool create_faces(Faces* faces, const LsFile* file)
 {
-    const LsInstance* instance = &file->instances[hit->instance];
-    const LsTriangle* triangle = find_triangle(file, hit);
+    const uint32_t count = ls_file_count(file, LS_CHUNK_OBJECTS);
+    *faces = (Faces){.file = file, .triangles = calloc(count, sizeof(uint32_t*))};
+    for (uint32_t i = 0; faces->triangles != NULL && i < count; i++)
+    {
+        const LsObject* object = &file->objects[i];
+        faces->triangles[i] = calloc((size_t)object->face_count + 1, sizeof(uint32_t));
+        if (faces->triangles[i] == NULL)
+        {
+            return false;
+        }
+        for (uint32_t k = 0; k < object->triangle_count; k++)
+        {
+            faces->triangles[i][file->triangles[object->first_triangle + k].primitive] = k;
+        }
+    }
+    return faces->triangles != NULL;
+}
+
+static const LsTriangle* find_triangle(const Faces* faces, const LsHit* hit)
+{
+    const LsObject* object = &faces->file->objects[hit->object];
+    return &faces->file
+                ->triangles[object->first_triangle + faces->triangles[hit->object][hit->primitive]];
+}
+
+static Start start_at_hit(const Faces* faces, const LsRay* ray, const LsHit* hit)
+{
+    const LsInstance* instance = &faces->file->instances[hit->instance];
+    const LsTriangle* triangle = find_triangle(faces, hit);
     double a[3], b[3], c[3];
     carry_point(instance, triangle->v0, a);
     carry_point(instance, triangle->v1, b);
@@ -183,17 +208,21 @@ static LsRay make_diffuse_ray(const Start* start, const double random[4])
     return make_ray(start->origin, direction, INFINITY);
 }
 
-void ls_box_second_rays(const LsFile* file, const LsRay* camera, const LsHit* hits, uint32_t count,
+bool ls_box_second_rays(const LsFile* file, const LsRay* camera, const LsHit* hits, uint32_t count,
                         LsRay* shadow, LsRay* diffuse)
 {
-    for (uint32_t i = 0; i < count; i++)
+    Faces faces;
+    const bool is_memory = create_faces(&faces, file);
+    for (uint32_t i = 0; is_memory && i < count; i++)
     {
         double random[4], place[4];
         draw_numbers(i, 0, random);
         draw_numbers(i, 1, place);
-        const Start start = hits[i].instance != LS_NONE ? start_at_hit(file, &camera[i], &hits[i])
+        const Start start = hits[i].instance != LS_NONE ? start_at_hit(&faces, &camera[i], &hits[i])
                                                         : start_anywhere(place);
         shadow[i] = make_shadow_ray(&start, random);
         diffuse[i] = make_diffuse_ray(&start, random);
     }
+    destroy_faces(&faces);
+    return is_memory;
 }

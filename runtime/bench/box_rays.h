@@ -11,6 +11,8 @@
 
 #include "ls_format.h"
 
+#include <stdbool.h>
+
 typedef enum LsRayClass
 {
     LS_CAMERA_RAYS,
@@ -25,8 +27,8 @@ const char* ls_ray_class_name(LsRayClass class);
 void ls_box_camera_rays(LsRay* rays, uint32_t width, uint32_t height);
 
 // Fills `shadow` and `diffuse`, one each per camera ray and its hit. `file` is the scene that was
-// traced. Equal inputs give equal rays.
-void ls_box_second_rays(const LsFile* file, const LsRay* camera, const LsHit* hits, uint32_t count,
+// traced. Equal inputs give equal rays. False when out of memory.
+bool ls_box_second_rays(const LsFile* file, const LsRay* camera, const LsHit* hits, uint32_t count,
                         LsRay* shadow, LsRay* diffuse);
 
 #endif

@@ -334,11 +334,12 @@ static LsResult run_bench(Bench* bench, const Options* options, LsError* error)
     for (int class = 0; class < LS_RAY_CLASS_COUNT && result == LS_OK; class ++)
     {
         result = time_class(bench, class, options, error);
-        if (result == LS_OK && class == LS_CAMERA_RAYS)
+        if (result == LS_OK && class == LS_CAMERA_RAYS &&
+            !ls_box_second_rays(&bench->scene.file, bench->rays[LS_CAMERA_RAYS], bench->hits,
+                                bench->rows[class].ray_count, bench->rays[LS_SHADOW_RAYS],
+                                bench->rays[LS_DIFFUSE_RAYS]))
         {
-            ls_box_second_rays(&bench->scene.file, bench->rays[LS_CAMERA_RAYS], bench->hits,
-                               bench->rows[class].ray_count, bench->rays[LS_SHADOW_RAYS],
-                               bench->rays[LS_DIFFUSE_RAYS]);
+            result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for rays");
         }
         result = result == LS_OK ? check_class(bench, class, options, error) : result;
         result = result == LS_OK ? count_work(bench, class, error) : result;
