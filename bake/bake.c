@@ -1,12 +1,14 @@
 // bake.c - ls_bake_run: one call per stage, straight down.
 
 #include "compose.h"
+#include "depfile.h"
 #include "ls_bake.h"
 #include "ls_write.h"
 #include "memory_limit.h"
 #include "mesh.h"
 #include "mesh_report.h"
 #include "pack.h"
+#include "source_files.h"
 #include "source_hash.h"
 #include "tables.h"
 #include "voxels.h"
@@ -37,6 +39,7 @@ typedef struct Bake
 {
     const LsBakeDesc* desc;
     LsBakeReport report;
+    LsSourceFiles files;
     LsInput input;
     LsMesh* meshes;
     LsBakedObject* objects;
@@ -129,12 +132,33 @@ static void note_import(void* user, double fraction)
     note_progress(user, LS_BAKE_STAGE_IMPORT, fraction);
 }
 
-static LsResult import_all(Bake* bake, LsError* error)
+static LsResult hash_source(Bake* bake, LsError* error)
 {
-    return ls_compose(&bake->input, bake->desc, note_import, bake, error);
+    const LsResult result = ls_source_files_list(&bake->files, bake->desc, error);
+    return result == LS_OK ? ls_source_hash(&bake->files, bake->desc, bake->patches, bake->threads,
+                                            bake->source_hash, error)
+                           : result;
 }
 
-// Whether the output is a sound file of just this input: every rule and every hash holds.
+static LsResult import_all(Bake* bake, LsError* error)
+{
+    const LsResult result = ls_compose(&bake->input, bake->desc, note_import, bake, error);
+    return result == LS_OK ? ls_source_files_check(&bake->files, error) : result;
+}
+
+static bool are_hashes_right(const Bake* bake, const LsFile* file)
+{
+    bool ok = true;
+#pragma omp parallel for schedule(dynamic) num_threads(bake->threads) reduction(&& : ok)
+    for (uint32_t i = 0; i < file->header->chunk_count; i++)
+    {
+        ok = ls_file_check_chunk_hash(file, i, bake->desc->output, NULL) == LS_OK && ok;
+    }
+    return ok;
+}
+
+// Whether the output is a sound file of just this input. With all hashes right it is, byte for byte, what a
+// bake wrote, and that kept every rule.
 static bool is_up_to_date(Bake* bake)
 {
     LsMapping mapping;
@@ -146,9 +170,8 @@ static bool is_up_to_date(Bake* bake)
     bool current =
         ls_file_open(&file, mapping.bytes, mapping.size, bake->desc->output, NULL) == LS_OK &&
         memcmp(file.header->source_hash, bake->source_hash, sizeof bake->source_hash) == 0 &&
-        ls_file_check_hashes(&file, bake->desc->output, NULL) == LS_OK &&
-        ls_file_check(&file, bake->desc->output, NULL) == LS_OK;
-    bake->report.file_bytes = mapping.size;
+        are_hashes_right(bake, &file);
+    bake->report.file_bytes = current ? mapping.size : 0;
     ls_mapping_close(&mapping);
     return current;
 }
@@ -184,6 +207,12 @@ static LsResult make_meshes(Bake* bake, LsError* error)
 {
     uint32_t count = bake->input.mesh_count;
     uint64_t triangles = 0;
+    const LsResult allowed =
+        check_memory(bake, ls_mesh_need(&bake->input), "the largest object's mesh", error);
+    if (allowed != LS_OK)
+    {
+        return allowed;
+    }
     bake->meshes = calloc(count, sizeof(LsMesh));
     bake->objects = calloc(count, sizeof(LsBakedObject));
     if (bake->meshes == NULL || bake->objects == NULL)
@@ -370,45 +399,49 @@ static uint64_t peak_memory(void)
     return kilobytes * 1024;
 }
 
+static LsResult write_file(Bake* bake, LsError* error)
+{
+    return ls_file_write(&bake->pack.desc, bake->desc->output, error);
+}
+
 static LsResult run_stages(Bake* bake, LsError* error)
 {
-    begin_stage(bake, LS_BAKE_STAGE_IMPORT);
-    LsResult result = import_all(bake, error);
-    end_stage(bake, LS_BAKE_STAGE_IMPORT);
-    if (result != LS_OK)
-    {
-        return result;
-    }
-    ls_source_hash(&bake->input, bake->desc, bake->patches, bake->source_hash);
-    // Warnings of the mesh stage are found out by baking alone, so a strict bake takes no short cut.
-    if (!bake->desc->force && !bake->desc->strict && is_up_to_date(bake))
-    {
-        bake->report = (LsBakeReport){.up_to_date = true, .file_bytes = bake->report.file_bytes};
-        return LS_OK;
-    }
-    result = check_memory(bake, ls_mesh_need(&bake->input), "the largest object's mesh", error);
-
     static const struct
     {
         LsBakeStage stage;
         LsResult (*run)(Bake*, LsError*);
-    } stages[] = {{LS_BAKE_STAGE_MESH, make_meshes},
-                  {LS_BAKE_STAGE_VOXELS, make_voxels},
-                  {LS_BAKE_STAGE_LINESPACE, make_tables},
-                  {LS_BAKE_STAGE_PACK, pack_all}};
+    } stages[] = {{LS_BAKE_STAGE_IMPORT, import_all},  {LS_BAKE_STAGE_MESH, make_meshes},
+                  {LS_BAKE_STAGE_VOXELS, make_voxels}, {LS_BAKE_STAGE_LINESPACE, make_tables},
+                  {LS_BAKE_STAGE_PACK, pack_all},      {LS_BAKE_STAGE_WRITE, write_file}};
+    LsResult result = LS_OK;
     for (size_t i = 0; i < sizeof stages / sizeof *stages && result == LS_OK; i++)
     {
         begin_stage(bake, stages[i].stage);
         result = stages[i].run(bake, error);
         end_stage(bake, stages[i].stage);
     }
-    if (result == LS_OK)
-    {
-        begin_stage(bake, LS_BAKE_STAGE_WRITE);
-        result = ls_file_write(&bake->pack.desc, bake->desc->output, error);
-        end_stage(bake, LS_BAKE_STAGE_WRITE);
-    }
     return result;
+}
+
+static LsResult run(Bake* bake, LsError* error)
+{
+    LsResult result = hash_source(bake, error);
+    if (result != LS_OK)
+    {
+        return result;
+    }
+    // Whether there are warnings is found out by baking alone, so a strict bake takes no short cut.
+    if (!bake->desc->force && !bake->desc->strict && is_up_to_date(bake))
+    {
+        bake->report.up_to_date = true;
+    }
+    else
+    {
+        result = run_stages(bake, error);
+    }
+    return result == LS_OK && bake->desc->depfile != NULL
+               ? ls_depfile_write(&bake->files, bake->desc, error)
+               : result;
 }
 
 LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error)
@@ -425,7 +458,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
     Bake bake = {.desc = desc,
                  .patches = desc->patches != 0 ? desc->patches : DEFAULT_PATCHES,
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
-    result = run_stages(&bake, error);
+    result = run(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();
     if (report != NULL && result == LS_OK)
     {
@@ -452,5 +485,6 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
     ls_pack_destroy(&bake.pack);
     ls_world_destroy(&bake.world);
     ls_input_destroy(&bake.input);
+    ls_source_files_destroy(&bake.files);
     return result;
 }

@@ -3,12 +3,13 @@
 #ifndef LS_SOURCE_HASH_H
 #define LS_SOURCE_HASH_H
 
-#include "import/import.h"
-#include "ls_bake.h"
+#include "source_files.h"
 
-// Hashes all that decides the bytes of the file: the imported and placed scene, the options, and the
-// versions of format and baker. `patches` is the N in use.
-void ls_source_hash(const LsInput* input, const LsBakeDesc* desc, uint32_t patches,
-                    uint8_t hash[16]);
+// Hashes all that decides the bytes of the file, without importing: the contents of the files in their
+// order, whatever their names, the options, and the versions of format and baker. `patches` is the N in
+// use. A file that cannot be read counts as one that is not there: the import will say so. Does not depend on
+// `threads`. Errors: OUT_OF_MEMORY.
+LsResult ls_source_hash(const LsSourceFiles* files, const LsBakeDesc* desc, uint32_t patches,
+                        uint32_t threads, uint8_t hash[16], LsError* error);
 
 #endif

@@ -27,27 +27,34 @@ LsResult ls_file_check(const LsFile* file, const char* name, LsError* error)
     return result == LS_OK ? ls_check_animations(&check) : result;
 }
 
+LsResult ls_file_check_chunk_hash(const LsFile* file, uint32_t chunk, const char* name,
+                                  LsError* error)
+{
+    const LsEntry* entry = &file->entries[chunk];
+    const uint64_t end =
+        chunk > 0 ? entry[-1].offset + entry[-1].stored_bytes
+                  : LS_HEADER_BYTES + file->header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
+    if (!is_zero(file->bytes + end, entry->offset - end))
+    {
+        return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
+                            "%s: R3.7: padding before chunk %u is not zero; bake it again", name,
+                            chunk);
+    }
+    uint8_t hash[LS_HASH_BYTES];
+    ls_hash_bytes(file->bytes + entry->offset, entry->stored_bytes, hash);
+    return memcmp(hash, entry->hash, sizeof(hash)) == 0
+               ? LS_OK
+               : ls_error_set(error, LS_MESSAGE_LSPACE_DAMAGED_CHUNK,
+                              "%s: chunk %u (%.4s) is damaged (R3.8); copy or bake it again", name,
+                              chunk, (const char*)entry->type);
+}
+
 LsResult ls_file_check_hashes(const LsFile* file, const char* name, LsError* error)
 {
-    uint64_t end = LS_HEADER_BYTES + file->header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
-    for (uint32_t i = 0; i < file->header->chunk_count; ++i)
+    LsResult result = LS_OK;
+    for (uint32_t i = 0; i < file->header->chunk_count && result == LS_OK; ++i)
     {
-        const LsEntry* entry = &file->entries[i];
-        if (!is_zero(file->bytes + end, entry->offset - end))
-        {
-            return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                                "%s: R3.7: padding before chunk %u is not zero; bake it again",
-                                name, i);
-        }
-        uint8_t hash[LS_HASH_BYTES];
-        ls_hash_bytes(file->bytes + entry->offset, entry->stored_bytes, hash);
-        if (memcmp(hash, entry->hash, sizeof(hash)) != 0)
-        {
-            return ls_error_set(error, LS_MESSAGE_LSPACE_DAMAGED_CHUNK,
-                                "%s: chunk %u (%.4s) is damaged (R3.8); copy or bake it again",
-                                name, i, (const char*)entry->type);
-        }
-        end = entry->offset + entry->stored_bytes;
+        result = ls_file_check_chunk_hash(file, i, name, error);
     }
-    return LS_OK;
+    return result;
 }

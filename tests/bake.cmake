@@ -33,6 +33,10 @@ foreach(test test_compose test_material_file test_place)
     target_include_directories(${test} PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 endforeach()
 
+# The files that a bake reads, their hash, and the depfile that lists them.
+ls_add_test(NAME test_source SOURCES test_source.c LIBRARIES ls_bake ls_import)
+target_include_directories(test_source PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
 # Inputs for test.sh, which bakes them with two compilers' builds.
 add_executable(write_hard_meshes write_hard_meshes.c hard_meshes.c)
 target_link_libraries(write_hard_meshes PRIVATE ls_test_scenes ls_options PkgConfig::CMOCKA m)

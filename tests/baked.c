@@ -26,13 +26,13 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
     memset(baked, 0, sizeof *baked);
     const char* folder = LS_BINARY_DIR "/test_scenes";
     mkdir(folder, 0777);
-    // The process id keeps test programs that run side by side apart.
+    // The process id keeps test programs that run side by side apart. The scene's name does not hold what
+    // is asked of the bake, since a glTF names its buffer and so would be another.
     char stem[400], source[512];
-    snprintf(stem, sizeof stem, "%s/%d-%s-%d-%u-%u-%u", folder, (int)getpid(), name, (int)placement,
-             grid, patches, threads);
+    snprintf(stem, sizeof stem, "%s/%d-%s-%d", folder, (int)getpid(), name, (int)placement);
     bool alone = placement == LS_TEST_ALONE;
     snprintf(source, sizeof source, "%s.%s", stem, alone ? "ply" : "gltf");
-    snprintf(baked->path, sizeof baked->path, "%s.lspace", stem);
+    snprintf(baked->path, sizeof baked->path, "%s-%u-%u-%u.lspace", stem, grid, patches, threads);
     if (alone)
     {
         ls_test_mesh_write_ply(mesh, source);

@@ -4,7 +4,6 @@
 #include "normals.h"
 #include "octahedral.h"
 #include "pack.h"
-#include "source_hash.h"
 #include "test_random.h"
 #include "weld.h"
 
@@ -827,108 +826,6 @@ static void looks_follow_their_triangles(void** state)
     end_input(&input);
 }
 
-// ---- The hash of the source ---------------------------------------------------------------------
-
-typedef struct HashInput
-{
-    LsInput input;
-    LsBakeDesc desc;
-} HashInput;
-
-static void change_color(HashInput* h)
-{
-    h->input.meshes[0].streams[LS_STREAM_COLOR].values[3] += 0.5f;
-}
-static void change_texcoord_index(HashInput* h)
-{
-    h->input.meshes[0].streams[LS_STREAM_TEXCOORD_0].indices[2] = LS_NONE;
-}
-static void change_pixel(HashInput* h)
-{
-    h->input.images[0].pixels[3] ^= 1;
-}
-static void change_texture(HashInput* h)
-{
-    h->input.textures[0].flags |= LS_TEXTURE_NEAREST;
-}
-static void change_surface(HashInput* h)
-{
-    h->input.materials[0].surface.ior = 1.25f;
-}
-static void change_lamp(HashInput* h)
-{
-    h->input.lamps[0].range = 2.0f;
-}
-static void change_key(HashInput* h)
-{
-    h->input.keys[1] = 3.0f;
-}
-static void change_channel(HashInput* h)
-{
-    h->input.channels[0].path = LS_PATH_SCALE;
-}
-static void change_animation(HashInput* h)
-{
-    h->input.animations[0].duration = 3.0f;
-}
-static void change_weld(HashInput* h)
-{
-    h->desc.no_weld = true;
-}
-static void change_degenerate(HashInput* h)
-{
-    h->desc.keep_degenerate = true;
-}
-static void change_normals(HashInput* h)
-{
-    h->desc.normals = LS_NORMALS_NONE;
-}
-static void change_angle(HashInput* h)
-{
-    h->desc.smooth_angle = 31.0;
-}
-static void change_nothing(HashInput* h)
-{
-    h->desc.threads = 7;
-    h->desc.force = true;
-}
-
-static void hash_after(void (*change)(HashInput*), uint8_t hash[16])
-{
-    HashInput h = {.input = begin_input(), .desc = {.normals = LS_NORMALS_SMOOTH}};
-    LsInputMesh* source = add_cube(&h.input);
-    add_texture(&h.input, 0, 0);
-    assert_true(ls_input_stream_create(source, LS_STREAM_COLOR, 8, false));
-    assert_true(ls_input_stream_create(source, LS_STREAM_TEXCOORD_0, 4, true));
-    assert_non_null(ls_input_add_lamp(&h.input));
-    assert_non_null(ls_input_add_animation(&h.input));
-    assert_non_null(ls_input_add_channel(&h.input));
-    assert_non_null(ls_input_add_keys(&h.input, 2));
-    change(&h);
-    ls_source_hash(&h.input, &h.desc, 3, hash);
-    end_input(&h.input);
-}
-
-static void everything_moves_the_source_hash(void** state)
-{
-    (void)state;
-    static void (*const changes[])(HashInput*) = {
-        change_color,     change_texcoord_index, change_pixel,   change_texture,
-        change_surface,   change_lamp,           change_key,     change_channel,
-        change_weld,      change_degenerate,     change_normals, change_angle,
-        change_animation,
-    };
-    uint8_t plain[16], again[16];
-    hash_after(change_nothing, plain);
-    hash_after(change_nothing, again);
-    assert_memory_equal(plain, again, sizeof plain);
-    for (size_t i = 0; i < sizeof changes / sizeof *changes; i++)
-    {
-        hash_after(changes[i], again);
-        assert_memory_not_equal(plain, again, sizeof plain);
-    }
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -949,7 +846,6 @@ int main(void)
         cmocka_unit_test(plain_scenes_have_no_looks),
         cmocka_unit_test(used_looks_are_packed_in_order),
         cmocka_unit_test(looks_follow_their_triangles),
-        cmocka_unit_test(everything_moves_the_source_hash),
     };
     return cmocka_run_group_tests_name("mesh", tests, NULL, NULL);
 }

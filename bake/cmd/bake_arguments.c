@@ -44,6 +44,7 @@ const char ls_bake_help[] =
     "\n"
     "The bake:\n"
     "  -o, --output FILE      where to write (required)\n"
+    "      --depfile FILE     write there what was read, as a rule of make (CMake, Ninja)\n"
     "  -f, --force            bake although the output is up to date\n"
     "      --strict           take warnings for errors\n"
     "      --threads T        threads; the result does not depend on it (default: all processors)\n"
@@ -231,6 +232,7 @@ static const Option options[] = {
     {"--patches", NULL, BAKE(patches), read_uint32, NUMBER("a whole number from 1 to 16"), 1,
      LS_MAX_PATCHES},
     {"--output", "-o", BAKE(output), read_text, FILE_NAME},
+    {"--depfile", NULL, BAKE(depfile), read_text, FILE_NAME},
     {"--force", "-f", BAKE(force), FLAG},
     {"--strict", NULL, BAKE(strict), FLAG},
     {"--threads", NULL, BAKE(threads), read_uint32, NUMBER("a whole number from 1 to 1024"), 1,

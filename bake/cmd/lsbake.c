@@ -25,19 +25,36 @@ static LsResult check_path(const char* input, const char* output, LsError* error
                         input);
 }
 
-static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
+static LsResult check_output(const LsBakeDesc* desc, const char* output, LsError* error)
 {
     LsResult result = LS_OK;
     for (uint32_t i = 0; i < desc->input_count && result == LS_OK; i++)
     {
         const LsBakeInput* input = &desc->inputs[i];
-        result = check_path(input->path, desc->output, error);
+        result = check_path(input->path, output, error);
         if (result == LS_OK && input->materials != NULL) // JSON is no file's name
         {
-            result = check_path(input->materials, desc->output, error);
+            result = check_path(input->materials, output, error);
         }
     }
-    return result == LS_OK ? ls_output_check(desc->output, error) : result;
+    return result == LS_OK ? ls_output_check(output, error) : result;
+}
+
+static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
+{
+    LsResult result = check_output(desc, desc->output, error);
+    if (result == LS_OK && desc->depfile != NULL)
+    {
+        result = check_output(desc, desc->depfile, error);
+        if (result == LS_OK && (ls_path_is_same(desc->depfile, desc->output) ||
+                                strcmp(desc->depfile, desc->output) == 0))
+        {
+            result = ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
+                                  "%s: the depfile would replace the output; choose another name",
+                                  desc->depfile);
+        }
+    }
+    return result;
 }
 
 // The state of the bar.

@@ -102,14 +102,22 @@ bool has_scheme(const std::string& uri)
                        { return std::isalnum(letter) || std::strchr("+-.", letter); });
 }
 
+// The path of what a URI names beside the scene, its letters decoded in `name`; empty if it names no file.
+std::string find_path(const std::string& scene, const std::string& uri, std::string& name)
+{
+    name = decode_percent(uri);
+    if (name.empty() || name.find('\0') != std::string::npos)
+        return {};
+    const size_t slash = scene.rfind('/');
+    return (slash == std::string::npos ? "./" : scene.substr(0, slash + 1)) + name;
+}
+
 bool load_file(GltfImport& import, const std::string& uri, size_t limit,
                std::vector<unsigned char>& bytes, std::string& problem)
 {
-    const std::string name = decode_percent(uri);
-    const size_t slash = import.path.rfind('/');
-    const std::string path =
-        (slash == std::string::npos ? "./" : import.path.substr(0, slash + 1)) + name;
-    if (name.empty() || name.find('\0') != std::string::npos)
+    std::string name;
+    const std::string path = find_path(import.path, uri, name);
+    if (path.empty())
     {
         problem = "its URI names no file";
         return false;
@@ -155,6 +163,13 @@ bool load_file(GltfImport& import, const std::string& uri, size_t limit,
 }
 
 } // namespace
+
+bool ls_gltf_find_file(const std::string& scene, const std::string& uri, std::string& path)
+{
+    std::string name;
+    path = uri.rfind("data:", 0) == 0 || has_scheme(uri) ? "" : find_path(scene, uri, name);
+    return !path.empty();
+}
 
 bool ls_gltf_load_uri(GltfImport& import, const std::string& uri, size_t limit,
                       std::vector<unsigned char>& bytes, std::string& problem)

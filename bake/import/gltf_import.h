@@ -136,6 +136,9 @@ extern "C"
     void ls_gltf_add_lamp(GltfImport& import, size_t index, uint32_t node,
                           const GltfMatrix& world_from_node);
 
+    // The path of the file that a URI names beside the scene; false if it names none.
+    bool ls_gltf_find_file(const std::string& scene, const std::string& uri, std::string& path);
+
     // Bytes that a URI names: of a data URI, or of a file beside the scene, at most `limit` of them.
     // Returns false and says why in `problem` if they cannot be had.
     bool ls_gltf_load_uri(GltfImport& import, const std::string& uri, size_t limit,

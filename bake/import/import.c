@@ -2,6 +2,8 @@
 
 #include "import.h"
 
+#include "input_files.h"
+
 #include <errno.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -345,24 +347,48 @@ static LsResult check_readable(const char* path, LsError* error)
     return LS_OK;
 }
 
-typedef LsResult Importer(LsInput* input, const char* path, LsError* error);
-
-static Importer* find_importer(const char* path)
+// How files of an ending are read. Without `list_files` a file is all by itself.
+typedef struct Format
 {
-    static const struct
-    {
-        const char* ending;
-        Importer* importer;
-    } importers[] = {
-        {".gltf", ls_import_gltf}, {".glb", ls_import_gltf}, {".obj", ls_import_obj},
-        {".ply", ls_import_ply},   {".off", ls_import_off},  {".stl", ls_import_stl},
+    const char* ending;
+    uint32_t kind; // equal for endings that are read alike
+    LsResult (*import)(LsInput* input, const char* path, LsError* error);
+    bool (*list_files)(const char* path, LsNameTable* files);
+} Format;
+
+static const Format* find_format(const char* path)
+{
+    static const Format formats[] = {
+        {".gltf", 1, ls_import_gltf, ls_gltf_list_files},
+        {".glb", 1, ls_import_gltf, ls_gltf_list_files},
+        {".obj", 2, ls_import_obj, ls_obj_list_files},
+        {".ply", 3, ls_import_ply, NULL},
+        {".off", 4, ls_import_off, NULL},
+        {".stl", 5, ls_import_stl, NULL},
     };
     const char* name = strrchr(path, '/');
     const char* ending = strrchr(name ? name : path, '.');
-    for (size_t i = 0; ending && i < sizeof importers / sizeof *importers; i++)
-        if (!strcasecmp(ending, importers[i].ending))
-            return importers[i].importer;
+    for (size_t i = 0; ending && i < sizeof formats / sizeof *formats; i++)
+        if (!strcasecmp(ending, formats[i].ending))
+            return &formats[i];
     return NULL;
+}
+
+uint32_t ls_import_kind(const char* path)
+{
+    const Format* format = find_format(path);
+    return format ? format->kind : 0;
+}
+
+bool ls_input_list_files(const char* path, LsNameTable* files)
+{
+    if (!ls_name_table_set(files, path, 0))
+        return false;
+    const Format* format = find_format(path);
+    struct stat status;
+    // Opening a pipe could wait for ever.
+    return !format || !format->list_files || stat(path, &status) || !S_ISREG(status.st_mode) ||
+           format->list_files(path, files);
 }
 
 static LsResult add_path(LsInput* input, const char* path, LsError* error)
@@ -382,11 +408,11 @@ LsResult ls_import(LsInput* input, const char* path, LsError* error)
     const LsResult readable = check_readable(path, error);
     if (readable != LS_OK)
         return readable;
-    Importer* importer = find_importer(path);
-    if (!importer)
+    const Format* format = find_format(path);
+    if (!format)
         return ls_error_set(
             error, LS_MESSAGE_INPUT_ENDING,
             "%s: unknown ending; scenes end in .gltf, .glb, .obj, .ply, .off or .stl", path);
-    const LsResult result = importer(input, path, error);
+    const LsResult result = format->import(input, path, error);
     return result == LS_OK ? add_path(input, path, error) : result;
 }

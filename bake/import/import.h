@@ -149,6 +149,9 @@ extern "C"
     LsResult ls_import(LsInput* input, const char* path, LsError* error);
     void ls_input_destroy(LsInput* input);
 
+    // A number for each way to read files, by the ending; 0 for none.
+    uint32_t ls_import_kind(const char* path);
+
     // For the shims: append zeroed records and return the first of them, or NULL when out of
     // memory.
     LsInputMesh* ls_input_add_mesh(LsInput* input, uint32_t vertex_count, uint32_t triangle_count);

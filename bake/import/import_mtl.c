@@ -418,9 +418,11 @@ static LsResult find_library(LsMtl* mtl, const char* name, bool* is_there)
         return fail_memory(mtl);
     LsResult result = LS_OK;
     struct stat status;
+    if (mtl->files && !ls_name_table_set(mtl->files, path, 0))
+        result = fail_memory(mtl);
     // Nothing but regular files: opening a pipe could wait for ever.
     *is_there = !stat(path, &status) && S_ISREG(status.st_mode);
-    if (*is_there && !ls_name_table_find(&mtl->libraries, path))
+    if (result == LS_OK && *is_there && !ls_name_table_find(&mtl->libraries, path))
     {
         if (ls_name_table_set(&mtl->libraries, path, 0))
             result = read_library(mtl, path);

@@ -28,15 +28,17 @@
 #include "import.h"
 #include "name_table.h"
 
-// The materials of one OBJ. Set the first three, zero the rest; ls_mtl_destroy frees it.
+// The materials of one OBJ. Set the first three, `files` if it is the files that are asked for, zero
+// the rest; ls_mtl_destroy frees it.
 typedef struct LsMtl
 {
     LsInput* input;
     const char* obj_path; // its folder is where libraries and images are looked for
     LsError* error;
-    LsNameTable materials;  // by name: index into LsInput.materials; a later definition counts
-    LsNameTable libraries;  // those that have been looked for
-    LsNameTable images;     // by path: index into LsInput.images, or LS_NONE for those left out
+    LsNameTable* files;    // all that is looked for is noted here, and no image read; NULL: neither
+    LsNameTable materials; // by name: index into LsInput.materials; a later definition counts
+    LsNameTable libraries; // those that have been looked for
+    LsNameTable images;    // by path: index into LsInput.images, or LS_NONE for those left out
     LsNameTable statements; // those that have been warned of
     uint32_t warning_count;
 } LsMtl;

@@ -10,8 +10,11 @@
 // The file is read twice: once to count and to read the material libraries, so that a usemtl finds
 // its material wherever the mtllib stands, and once to fill the arrays.
 
+#define _GNU_SOURCE // memmem
+
 #include "import.h"
 #include "import_mtl.h"
+#include "input_files.h"
 #include "srgb.h"
 #include "text_lines.h"
 
@@ -578,4 +581,62 @@ LsResult ls_import_obj(LsInput* input, const char* path, LsError* error)
     free(obj.name);
     ls_text_lines_close(&obj.lines);
     return result;
+}
+
+// ---- Its files ----------------------------------------------------------------------------------
+
+// Behind the last mention of mtllib, so that the lines of a large mesh need not be parted; 0: there is none.
+static uint64_t find_last_library(FILE* file)
+{
+    static const char keyword[] = "mtllib";
+    enum
+    {
+        KEYWORD = sizeof keyword - 1
+    };
+    char block[65536];
+    uint64_t begin = 0; // of the block in the file
+    uint64_t last = 0;
+    size_t kept = 0; // what may be the beginning of the keyword
+    for (size_t got; (got = fread(block + kept, 1, sizeof block - kept, file)) > 0;)
+    {
+        const size_t size = kept + got;
+        const char* at = block;
+        while ((at = memmem(at, (size_t)(block + size - at), keyword, KEYWORD)))
+        {
+            at += KEYWORD;
+            last = begin + (uint64_t)(at - block);
+        }
+        kept = size < KEYWORD - 1 ? size : KEYWORD - 1;
+        memmove(block, block + size - kept, kept);
+        begin += size - kept;
+    }
+    rewind(file);
+    return last;
+}
+
+bool ls_obj_list_files(const char* path, LsNameTable* files)
+{
+    LsInput scratch = {0}; // takes materials and warnings, which nobody asks for
+    LsError error = {0};
+    LsTextLines lines = {
+        .file = fopen(path, "r"), .path = path, .error = &error, .joins_lines = true};
+    if (!lines.file)
+        return true;
+    LsMtl mtl = {.input = &scratch, .obj_path = path, .error = &error, .files = files};
+    const uint64_t last = find_last_library(lines.file);
+    LsResult result = LS_OK;
+    bool is_end = false;
+    while (result == LS_OK && !is_end && lines.taken < last)
+    {
+        const char* keyword = "";
+        const char* arguments = "";
+        result = ls_text_lines_next(&lines, &is_end);
+        if (result == LS_OK && !is_end &&
+            read_statement(lines.line, &keyword, &arguments) == STATEMENT_LIBRARY)
+            result = ls_mtl_read_libraries(&mtl, arguments);
+    }
+    ls_mtl_destroy(&mtl);
+    ls_text_lines_close(&lines);
+    ls_input_destroy(&scratch);
+    return result != LS_ERROR_MEMORY;
 }

@@ -142,7 +142,9 @@ static LsResult find_image(LsMtl* mtl, const char* file, uint32_t* index)
     const LsNamedNumber* known = ls_name_table_find(&mtl->images, path);
     LsResult result = LS_OK;
     *index = known ? known->number : LS_NONE;
-    if (!known)
+    if (mtl->files)
+        result = ls_name_table_set(mtl->files, path, 0) ? LS_OK : fail_memory(mtl);
+    else if (!known)
     {
         LsInputImage image;
         const char* why = NULL;

@@ -6,26 +6,35 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-typedef struct LsNamedNumber
+#ifdef __cplusplus
+extern "C"
 {
-    char* name; // owned
-    uint32_t number;
-} LsNamedNumber;
+#endif
 
-// Zero it before use; ls_name_table_destroy frees it.
-typedef struct LsNameTable
-{
-    LsNamedNumber* entries; // in the order of their first mention
-    uint32_t count;
-    uint32_t* slots; // hash table of indices into `entries` plus 1; 0: free
-    uint32_t slot_count;
-} LsNameTable;
+    typedef struct LsNamedNumber
+    {
+        char* name; // owned
+        uint32_t number;
+    } LsNamedNumber;
 
-// The entry of a name, or NULL; valid until the next is set.
-LsNamedNumber* ls_name_table_find(const LsNameTable* table, const char* name);
+    // Zero it before use; ls_name_table_destroy frees it.
+    typedef struct LsNameTable
+    {
+        LsNamedNumber* entries; // in the order of their first mention
+        uint32_t count;
+        uint32_t* slots; // hash table of indices into `entries` plus 1; 0: free
+        uint32_t slot_count;
+    } LsNameTable;
 
-// Sets the number of a name, old or new; false when out of memory.
-bool ls_name_table_set(LsNameTable* table, const char* name, uint32_t number);
-void ls_name_table_destroy(LsNameTable* table);
+    // The entry of a name, or NULL; valid until the next is set.
+    LsNamedNumber* ls_name_table_find(const LsNameTable* table, const char* name);
+
+    // Sets the number of a name, old or new; false when out of memory.
+    bool ls_name_table_set(LsNameTable* table, const char* name, uint32_t number);
+    void ls_name_table_destroy(LsNameTable* table);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

@@ -68,6 +68,9 @@ extern "C"
         const LsBakeInput* inputs; // put together, their objects numbered in order
         uint32_t input_count;
         const char* output; // .lspace file
+        // Beside it a rule of make that names all files that were read, for build systems, written when the
+        // bake has succeeded or the output is up to date; NULL: none.
+        const char* depfile;
         uint32_t
             grid; // G: cells along the longest side of an object's box, 1..4096; 0: by triangles
         uint32_t patches;     // N: patches per voxel side, 1..16; 0: 3
@@ -177,7 +180,8 @@ extern "C"
     // What a bake did. Counts are over all objects.
     typedef struct LsBakeReport
     {
-        bool up_to_date; // nothing was written; the fields below are zero but file_bytes
+        bool up_to_date; // nothing was baked or written; of the fields below only file_bytes and
+                         // peak_memory_bytes are set
         uint32_t object_count, instance_count, material_count, light_count, camera_count;
         uint64_t face_count;       // triangles of the input, polygons fanned
         uint64_t degenerate_count; // no area, so no ray hits them
@@ -199,7 +203,8 @@ extern "C"
         double stage_seconds[LS_BAKE_STAGE_COUNT];
     } LsBakeReport;
 
-    // Bakes. `report` may be NULL; else ls_bake_report_destroy frees what it owns, which is nothing after
+    // Bakes, unless the output is up to date: a sound file whose source hash is that of the files to be
+    // read and the options. Then nothing is imported, so no warnings come. `report` may be NULL; else ls_bake_report_destroy frees what it owns, which is nothing after
     // a failure. On failure nothing is left at desc->output but what was there before.
     LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error);
     void ls_bake_report_destroy(LsBakeReport* report);

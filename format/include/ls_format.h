@@ -206,6 +206,11 @@ extern "C"
     // Verifies the hash of every chunk and that all padding is zero. Errors: HASH, RULE.
     LsResult ls_file_check_hashes(const LsFile* file, const char* name, LsError* error);
 
+    // The same of one chunk, by its place in the directory, and the padding before it: for callers with
+    // several threads.
+    LsResult ls_file_check_chunk_hash(const LsFile* file, uint32_t chunk, const char* name,
+                                      LsError* error);
+
 #ifdef __cplusplus
 }
 #endif
