@@ -1,6 +1,6 @@
 // output.c - files that appear whole or not at all.
 
-#define _XOPEN_SOURCE 700 // realpath
+#define _GNU_SOURCE // realpath, O_TMPFILE
 
 #include "ls_messages.h"
 #include "ls_output.h"
@@ -9,6 +9,8 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <pthread.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -98,24 +100,133 @@ LsResult ls_output_check(const char* path, LsError* error)
     return LS_OK;
 }
 
-// Makes the temporary file. Returns 0, or the errno.
-static int open_temporary(LsOutput* output)
+// ---- The temporary file -------------------------------------------------------------------------
+//
+// Where the system can, it has no name until it is whole, so that a program that is killed leaves nothing
+// behind. Else it has one from the first, and is in the list of those to be removed when the program is
+// told to end.
+
+// Held while names are made or removed.
+static pthread_mutex_t names_lock = PTHREAD_MUTEX_INITIALIZER;
+static LsOutput* named; // open ones whose temporary file has a name
+
+static void choose_name(LsOutput* output, unsigned attempt)
 {
-    for (unsigned attempt = 0;; ++attempt)
+    snprintf(output->temporary, sizeof(output->temporary), "%s/.lspace-%ld-%u.tmp",
+             output->directory, (long)getpid(), attempt);
+}
+
+// Links a file without a name to this one. Returns 0, or the errno.
+static int link_nameless(const LsOutput* output, const char* path)
+{
+    char open_file[64];
+    snprintf(open_file, sizeof(open_file), "/proc/self/fd/%d", output->descriptor);
+    return linkat(AT_FDCWD, open_file, AT_FDCWD, path, AT_SYMLINK_FOLLOW) == 0 ? 0 : errno;
+}
+
+// False where such files cannot be made, or not be named later: that had better show before hours of
+// work. Linking to a name that exists fails last for that reason.
+static bool open_nameless(LsOutput* output)
+{
+#ifdef O_TMPFILE
+    output->descriptor = open(output->directory, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    char here[LS_OUTPUT_PATH + 2];
+    snprintf(here, sizeof(here), "%s/.", output->directory);
+    if (output->descriptor >= 0 && link_nameless(output, here) == EEXIST)
     {
-        snprintf(output->temporary, sizeof(output->temporary), "%s/.lspace-%ld-%u.tmp",
-                 output->directory, (long)getpid(), attempt);
+        return true;
+    }
+    if (output->descriptor >= 0)
+    {
+        close(output->descriptor);
+    }
+#endif
+    return false;
+}
+
+// Returns 0, or the errno.
+static int open_named(LsOutput* output)
+{
+    int reason = EEXIST;
+    pthread_mutex_lock(&names_lock);
+    for (unsigned attempt = 0; reason == EEXIST && attempt <= 1000; ++attempt)
+    {
+        choose_name(output, attempt);
         output->descriptor = open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (output->descriptor >= 0)
+        reason = output->descriptor >= 0 ? 0 : errno;
+    }
+    if (reason == 0)
+    {
+        output->next = named;
+        named = output;
+    }
+    pthread_mutex_unlock(&names_lock);
+    return reason;
+}
+
+// The lock is held.
+static void forget_name(LsOutput* output)
+{
+    for (LsOutput** at = &named; *at != NULL; at = &(*at)->next)
+    {
+        if (*at == output)
         {
-            return 0;
-        }
-        if (errno != EEXIST || attempt == 1000)
-        {
-            return errno;
+            *at = output->next;
+            break;
         }
     }
+    output->temporary[0] = '\0';
 }
+
+static void remove_name(LsOutput* output)
+{
+    if (output->temporary[0] != '\0')
+    {
+        unlink(output->temporary);
+    }
+    forget_name(output);
+}
+
+// Puts the file in its place. Returns 0, or the errno.
+static int take_place(LsOutput* output)
+{
+    if (output->temporary[0] == '\0')
+    {
+        // If nothing is there, no other name is needed; else only renaming replaces at a stroke.
+        int reason = link_nameless(output, output->path);
+        for (unsigned attempt = 0; reason == EEXIST && attempt <= 1000; ++attempt)
+        {
+            choose_name(output, attempt);
+            reason = link_nameless(output, output->temporary);
+            if (reason == 0)
+            {
+                reason = rename(output->temporary, output->path) == 0 ? 0 : errno;
+                reason == 0 ? forget_name(output) : remove_name(output);
+                return reason;
+            }
+        }
+        output->temporary[0] = '\0';
+        return reason;
+    }
+    if (rename(output->temporary, output->path) != 0)
+    {
+        return errno;
+    }
+    forget_name(output);
+    return 0;
+}
+
+void ls_output_abandon_all(void)
+{
+    pthread_mutex_lock(&names_lock);
+    for (const LsOutput* output = named; output != NULL; output = output->next)
+    {
+        unlink(output->temporary);
+    }
+    // The lock is kept: nobody gets any further.
+}
+
+// ---- Writing ------------------------------------------------------------------------------------
 
 // Returns 0, or the errno. Not every file system can set room aside; there the writes themselves report
 // a full disk.
@@ -138,7 +249,7 @@ LsResult ls_output_open(LsOutput* output, const char* path, uint64_t size, LsErr
         *output = (LsOutput){0};
         return result;
     }
-    int reason = open_temporary(output);
+    int reason = open_nameless(output) ? 0 : open_named(output);
     if (reason != 0)
     {
         *output = (LsOutput){0};
@@ -180,9 +291,16 @@ LsResult ls_output_sync(LsOutput* output, LsError* error)
 // The old file stays in place until all of the new one is on disk.
 LsResult ls_output_commit(LsOutput* output, LsError* error)
 {
-    if (fsync(output->descriptor) != 0 || rename(output->temporary, output->path) != 0)
+    int reason = fsync(output->descriptor) == 0 ? 0 : errno;
+    if (reason == 0)
     {
-        const LsResult result = ls_output_report(output->name, errno, error);
+        pthread_mutex_lock(&names_lock);
+        reason = take_place(output);
+        pthread_mutex_unlock(&names_lock);
+    }
+    if (reason != 0)
+    {
+        const LsResult result = ls_output_report(output->name, reason, error);
         ls_output_drop(output);
         return result;
     }
@@ -203,7 +321,9 @@ void ls_output_drop(LsOutput* output)
     if (output->name != NULL)
     {
         close(output->descriptor);
-        unlink(output->temporary);
+        pthread_mutex_lock(&names_lock);
+        remove_name(output);
+        pthread_mutex_unlock(&names_lock);
     }
     *output = (LsOutput){0};
 }

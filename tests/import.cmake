@@ -21,3 +21,10 @@ if(LS_BUILD_RUNTIME)
     ls_add_bad_input_test(test_bad_input_runtime runtime)
     set_tests_properties(test_bad_input_runtime PROPERTIES LABELS gpu)
 endif()
+
+# Sanitizers want to be loaded first themselves.
+if(NOT LS_SANITIZE)
+    add_library(slow_disk MODULE slow_disk.c)
+    add_test(NAME test_interrupt COMMAND ${CMAKE_CURRENT_SOURCE_DIR}/test_interrupt.sh
+        ${CMAKE_RUNTIME_OUTPUT_DIRECTORY} ${PROJECT_SOURCE_DIR}/scenes $<TARGET_FILE:slow_disk>)
+endif()

@@ -80,20 +80,6 @@ check_unheard()
     check "$expected" "standard output" "$@"
 }
 
-# check_killed SECONDS... : a bake that is killed after so long leaves an older output, or a whole new one.
-check_killed()
-{
-    local seconds
-    for seconds in "$@"; do
-        echo "an older bake" > out/killed.lspace
-        timeout -s TERM "$seconds" "$programs/lsbake" "$scenes/bunny.ply" --grid 16 --patches 2 -o out/killed.lspace --quiet
-        count=$((count + 1))
-        [[ $(head -c 13 out/killed.lspace) == "an older bake" ]] || "$programs/lsinfo" check --full out/killed.lspace > stdout.txt ||
-            wrong=$((wrong + 1))
-        rm -f out/killed.lspace out/.lspace-*.tmp
-    done
-}
-
 # ---- Inputs -----------------------------------------------------------------------------------------
 
 ply_header()
@@ -356,11 +342,15 @@ check_bake()
     done
     cp key.json out
     check 1007 out/key.json lsbake good.ply --material out/key.json -o out/key.json
+    # Depfiles are outputs too.
+    check 1007 out/link.ply lsbake out/scene.ply -o out/new.lspace --depfile out/link.ply
+    check 1007 out/new.lspace lsbake good.ply -o out/new.lspace --depfile out/new.lspace
+    check 4002 a_folder lsbake good.ply -o out/new.lspace --depfile a_folder
+    check 4001 nowhere/new.d lsbake good.ply -o out/new.lspace --depfile nowhere/new.d
     # More room than the thread sanitizer takes for itself, less than the bunny.
     for output in out/full.lspace out/older.lspace; do
         check_full 3000 4101 "$output" lsbake "$scenes/bunny.ply" --grid 8 --patches 1 -o "$output"
     done
-    check_killed 0.02 0.05 0.1 0.2 0.3
     [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))
 
     "$programs/lsbake" good.ply -o good.lspace --quiet || wrong=$((wrong + 1))

@@ -1,7 +1,7 @@
 // test_write.c - writing files when it cannot be done: whatever fails, the old file stays as it was
 // and nothing is left beside it.
 
-#define _XOPEN_SOURCE 700 // symlink
+#define _GNU_SOURCE // symlink, O_TMPFILE
 
 #include "file_fixture.h"
 
@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 // ---- Faults -------------------------------------------------------------------------------------
@@ -26,6 +27,7 @@ typedef enum Call
     CALL_WRITE,
     CALL_SYNC,
     CALL_RENAME,
+    CALL_LINK,
 } Call;
 
 #define SHORT_WRITE 0 // a reason of CALL_WRITE: half is written, and that is no error
@@ -36,6 +38,9 @@ static struct
     int after; // so many calls go well, then one fails; -1: none fails
     int reason;
 } fault = {.after = -1};
+
+static bool has_nameless = true; // whether the file system has files without a name
+static uint32_t nameless_count;  // opened
 
 static bool is_failing(Call call)
 {
@@ -51,6 +56,15 @@ int __real_open64(const char* path, int flags, ...);
 int __wrap_open64(const char* path, int flags, ...);
 int __wrap_open64(const char* path, int flags, ...)
 {
+    if ((flags & O_TMPFILE) == O_TMPFILE)
+    {
+        if (!has_nameless)
+        {
+            errno = EOPNOTSUPP;
+            return -1;
+        }
+        ++nameless_count;
+    }
     return (flags & O_CREAT) != 0 && is_failing(CALL_OPEN) ? -1 : __real_open64(path, flags, 0666);
 }
 
@@ -92,6 +106,13 @@ int __wrap_rename(const char* from, const char* to);
 int __wrap_rename(const char* from, const char* to)
 {
     return is_failing(CALL_RENAME) ? -1 : __real_rename(from, to);
+}
+
+int __real_linkat(int from_folder, const char* from, int to_folder, const char* to, int flags);
+int __wrap_linkat(int from_folder, const char* from, int to_folder, const char* to, int flags);
+int __wrap_linkat(int from_folder, const char* from, int to_folder, const char* to, int flags)
+{
+    return is_failing(CALL_LINK) ? -1 : __real_linkat(from_folder, from, to_folder, to, flags);
 }
 
 // ---- Helpers ------------------------------------------------------------------------------------
@@ -215,7 +236,36 @@ static void expect_new(const Target* target, Write* write)
 // ---- Tests --------------------------------------------------------------------------------------
 
 // Each call that the writer makes fails once, the first, then the second, until none is left to
-// fail.
+// fail. `spared` calls of the kind come before, in which a failure is none.
+static uint32_t fail_every_call(const Target* target, Write* write, Call call, int reason,
+                                LsMessage message, int spared)
+{
+    uint32_t failures = 0;
+    LsResult result = (LsResult)(message / 100);
+    for (int after = spared; result != LS_OK; ++after)
+    {
+        fault.call = call;
+        fault.reason = reason;
+        fault.after = after;
+        LsError error = {0};
+        result = write(target, target->path, &error);
+        fault.after = -1;
+        if (result == LS_OK)
+        {
+            assert_true(after > spared);
+            expect_new(target, write);
+            write_old(target->path);
+        }
+        else
+        {
+            expect_refusal(target, target->path, message, &error);
+            assert_int_equal(result, error.result);
+            ++failures;
+        }
+    }
+    return failures;
+}
+
 static void test_every_call_fails(void** state)
 {
     (void)state;
@@ -224,52 +274,41 @@ static void test_every_call_fails(void** state)
         Call call;
         int reason;
         LsMessage message;
+        bool is_named, is_nameless; // the files of which this happens
     } faults[] = {
-        {CALL_OPEN, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE},
-        {CALL_OPEN, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_FALLOCATE, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_FALLOCATE, EFBIG, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_TRUNCATE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
-        {CALL_WRITE, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_WRITE, EDQUOT, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_WRITE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
-        {CALL_SYNC, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE},
-        {CALL_SYNC, ENOSPC, LS_MESSAGE_OUTPUT_FULL},
-        {CALL_RENAME, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE},
+        {CALL_OPEN, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE, true, false},
+        {CALL_OPEN, ENOSPC, LS_MESSAGE_OUTPUT_FULL, true, false},
+        {CALL_FALLOCATE, ENOSPC, LS_MESSAGE_OUTPUT_FULL, true, true},
+        {CALL_FALLOCATE, EFBIG, LS_MESSAGE_OUTPUT_FULL, true, true},
+        {CALL_TRUNCATE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE, true, true},
+        {CALL_WRITE, ENOSPC, LS_MESSAGE_OUTPUT_FULL, true, true},
+        {CALL_WRITE, EDQUOT, LS_MESSAGE_OUTPUT_FULL, true, true},
+        {CALL_WRITE, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE, true, true},
+        {CALL_SYNC, EIO, LS_MESSAGE_OUTPUT_UNWRITABLE, true, true},
+        {CALL_SYNC, ENOSPC, LS_MESSAGE_OUTPUT_FULL, true, true},
+        {CALL_RENAME, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE, true, true},
+        {CALL_LINK, EACCES, LS_MESSAGE_OUTPUT_UNWRITABLE, false, true},
     };
     Target* target = create_target();
     uint32_t failures = 0;
-    for (size_t i = 0; i < WRITES * sizeof(faults) / sizeof(faults[0]); ++i)
+    for (size_t i = 0; i < 2 * WRITES * sizeof(faults) / sizeof(faults[0]); ++i)
     {
-        Write* write = writes[i % WRITES];
-        LsResult result = (LsResult)(faults[i / WRITES].message / 100);
-        for (int after = 0; result != LS_OK; ++after)
+        const size_t k = i / WRITES / 2;
+        has_nameless = i / WRITES % 2 == 1;
+        if (has_nameless ? faults[k].is_nameless : faults[k].is_named)
         {
-            fault.call = faults[i / WRITES].call;
-            fault.reason = faults[i / WRITES].reason;
-            fault.after = after;
-            LsError error = {0};
-            result = write(target, target->path, &error);
-            fault.after = -1;
-            if (result == LS_OK)
-            {
-                assert_true(after > 0);
-                expect_new(target, write);
-                write_old(target->path);
-            }
-            else
-            {
-                expect_refusal(target, target->path, faults[i / WRITES].message, &error);
-                assert_int_equal(result, error.result);
-                ++failures;
-            }
+            // The first link is the trial whether there can be one.
+            failures +=
+                fail_every_call(target, writes[i % WRITES], faults[k].call, faults[k].reason,
+                                faults[k].message, faults[k].call == CALL_LINK);
         }
     }
-    print_message("%u failing calls\n", failures);
+    print_message("%u failing calls, %u files without a name\n", failures, nameless_count);
     destroy_target(target);
 }
 
-// What is no failure: interrupted and short writes, file systems that set no room aside.
+// What is no failure: interrupted and short writes, file systems that set no room aside, names that are taken,
+// systems on which a file without a name stays so.
 static void test_calls_that_are_retried(void** state)
 {
     (void)state;
@@ -277,21 +316,91 @@ static void test_calls_that_are_retried(void** state)
     {
         Call call;
         int reason;
+        int after;
+        bool is_nameless;
     } faults[] = {
-        {CALL_WRITE, EINTR},          {CALL_WRITE, SHORT_WRITE}, {CALL_FALLOCATE, EINVAL},
-        {CALL_FALLOCATE, EOPNOTSUPP}, {CALL_OPEN, EEXIST},
+        {CALL_WRITE, EINTR, 0, false},      {CALL_WRITE, SHORT_WRITE, 0, false},
+        {CALL_FALLOCATE, EINVAL, 0, false}, {CALL_FALLOCATE, EOPNOTSUPP, 0, false},
+        {CALL_OPEN, EEXIST, 0, false},      {CALL_LINK, ENOENT, 0, true},
+        {CALL_LINK, EEXIST, 1, true},       {CALL_LINK, EEXIST, 2, true},
     };
     Target* target = create_target();
     for (size_t i = 0; i < WRITES * sizeof(faults) / sizeof(faults[0]); ++i)
     {
         fault.call = faults[i / WRITES].call;
         fault.reason = faults[i / WRITES].reason;
-        fault.after = 0;
+        fault.after = faults[i / WRITES].after;
+        has_nameless = faults[i / WRITES].is_nameless;
         LsError error = {0};
         assert_int_equal(writes[i % WRITES](target, target->path, &error), LS_OK);
         assert_int_equal(fault.after, -1);
         expect_new(target, writes[i % WRITES]);
     }
+    has_nameless = true;
+    destroy_target(target);
+}
+
+// Until a file is whole there is no name of it, where the file system can do that; nor ever one but its own,
+// if there was none before.
+static void test_files_without_a_name(void** state)
+{
+    (void)state;
+    Target* target = create_target();
+    assert_int_equal(unlink(target->path), 0);
+    for (int i = 0; i < 4; ++i)
+    {
+        has_nameless = i < 2;
+        const uint32_t count = nameless_count;
+        LsOutput output;
+        LsError error = {0};
+        assert_int_equal(ls_output_open(&output, target->path, 10, &error), LS_OK);
+        const bool is_nameless = nameless_count > count && output.temporary[0] == '\0';
+        assert_true(has_nameless || !is_nameless);
+        assert_int_equal(ls_scratch_count(target->directory), i % 2 + (is_nameless ? 0 : 1));
+        fault.call = CALL_RENAME;
+        fault.reason = EIO;
+        fault.after = is_nameless && i % 2 == 0 ? 0 : -1; // nothing to rename
+        assert_int_equal(ls_output_commit(&output, &error), LS_OK);
+        fault.after = -1;
+        assert_int_equal(ls_scratch_count(target->directory), 1);
+        if (i % 2 == 1)
+        {
+            assert_int_equal(unlink(target->path), 0);
+        }
+    }
+    has_nameless = true;
+    write_old(target->path);
+    destroy_target(target);
+}
+
+// What is open when the program ends goes with it, and only that.
+static void test_abandoned_outputs(void** state)
+{
+    (void)state;
+    Target* target = create_target();
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0)
+    {
+        has_nameless = false;
+        LsOutput outputs[3];
+        LsError error = {0};
+        bool ok = true;
+        for (int i = 0; i < 3; ++i)
+        {
+            ok = ok && ls_output_open(&outputs[i], target->path, 10, &error) == LS_OK;
+        }
+        ok = ok && ls_scratch_count(target->directory) == 4;
+        ls_output_drop(&outputs[1]);
+        ok = ok && ls_scratch_count(target->directory) == 3;
+        ls_output_abandon_all();
+        _exit(ok ? 7 : 1);
+    }
+    int status = 0;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFEXITED(status));
+    assert_int_equal(WEXITSTATUS(status), 7);
+    expect_old(target);
     destroy_target(target);
 }
 
@@ -415,6 +524,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_call_fails),
         cmocka_unit_test(test_calls_that_are_retried),
+        cmocka_unit_test(test_files_without_a_name),
+        cmocka_unit_test(test_abandoned_outputs),
         cmocka_unit_test(test_places_that_are_no_files),
         cmocka_unit_test(test_limit_of_file_size),
         cmocka_unit_test(test_links_are_followed),

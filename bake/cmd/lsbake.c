@@ -2,6 +2,7 @@
 
 #include "bake_arguments.h"
 #include "bake_warnings.h"
+#include "interrupt.h"
 #include "ls_messages.h"
 #include "ls_write.h"
 #include "memory_net.h"
@@ -150,6 +151,7 @@ static LsResult bake(const BakeArguments* arguments, LsError* error)
 int main(int argc, char** argv)
 {
     signal(SIGXFSZ, SIG_IGN); // a limit on the size of files makes writing fail instead
+    ls_interrupt_begin();
     LsError error = {0};
     BakeArguments arguments;
     LsResult result = ls_bake_arguments_parse(&arguments, argc, argv, &error);

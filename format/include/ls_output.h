@@ -1,8 +1,10 @@
 // ls_output.h - a file that appears whole or not at all.
 //
-// It is written under a temporary name beside its place and renamed at the end, so that a failure leaves
-// what stood there before and nothing beside it. A link stays a link; what it names is replaced. A
-// directory, a device or a pipe is refused.
+// It is written without a name, or where the file system cannot do that under a temporary one beside its
+// place, and named or renamed at the end: a failure leaves what stood there before and nothing beside it. So
+// does a program that is killed, but for the temporary name: one that is told to end calls
+// ls_output_abandon_all. A link stays a link; what it names is replaced. A directory, a device or a pipe
+// is refused.
 
 #ifndef LS_OUTPUT_H
 #define LS_OUTPUT_H
@@ -23,7 +25,8 @@ extern "C"
         int descriptor;            // of the temporary file
         char path[LS_OUTPUT_PATH]; // links followed
         char directory[LS_OUTPUT_PATH];
-        char temporary[LS_OUTPUT_PATH + 64];
+        char temporary[LS_OUTPUT_PATH + 64]; // empty while the file has no name
+        struct LsOutput* next;               // of the open ones with such a name
     } LsOutput;
 
     // Opens the temporary file and sets room of `size` zero bytes aside in it; more may be put. On failure
@@ -45,6 +48,11 @@ extern "C"
 
     // Closes and removes what was written. A zero output is allowed.
     void ls_output_drop(LsOutput* output);
+
+    // Removes the temporary files of all outputs that this process has open, and stops every thread that goes
+    // on to name, commit or drop one: the last call before the process ends. Not for handlers of
+    // signals, but for a thread that waits for them.
+    void ls_output_abandon_all(void);
 
     // Whether `path` can become an output: no directory nor other thing that is no file, in a folder
     // that may be written to. For programs that had better know before hours of work. Errors: OUTPUT.
