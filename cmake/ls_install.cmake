@@ -9,6 +9,7 @@ include(CMakePackageConfigHelpers)
 set(LS_INSTALL_HEADERS ${CMAKE_INSTALL_INCLUDEDIR}/linespace)
 set(LS_INSTALL_SHADERS ${CMAKE_INSTALL_DATADIR}/linespace/shaders)
 set(LS_INSTALL_PACKAGE ${CMAKE_INSTALL_LIBDIR}/cmake/linespace)
+set(LS_INSTALL_LSBAKE ${CMAKE_INSTALL_BINDIR}/lsbake${CMAKE_EXECUTABLE_SUFFIX})
 set(LS_INSTALL_PKGCONFIG ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # ls_public_headers(TARGET FOLDER): FOLDER's headers are TARGET's face, in the build and installed.
@@ -61,11 +62,12 @@ function(ls_install_package)
 
     configure_package_config_file(${PROJECT_SOURCE_DIR}/cmake/linespace-config.cmake.in
         ${PROJECT_BINARY_DIR}/linespace-config.cmake
-        INSTALL_DESTINATION ${LS_INSTALL_PACKAGE} PATH_VARS LS_INSTALL_SHADERS)
+        INSTALL_DESTINATION ${LS_INSTALL_PACKAGE} PATH_VARS LS_INSTALL_SHADERS LS_INSTALL_LSBAKE)
     # Before 1.0 a minor version may break what the one before had.
     write_basic_package_version_file(${PROJECT_BINARY_DIR}/linespace-config-version.cmake
         COMPATIBILITY SameMinorVersion)
     install(FILES ${PROJECT_BINARY_DIR}/linespace-config.cmake ${PROJECT_BINARY_DIR}/linespace-config-version.cmake
+        ${PROJECT_SOURCE_DIR}/cmake/ls_add_bake.cmake
         DESTINATION ${LS_INSTALL_PACKAGE})
 
     ls_install_pkgconfig(linespace-format)

@@ -44,6 +44,7 @@ check()
     [[ $(grep -cv "^$1: warning [0-9]*: " stderr.txt) == 1 && $(tail -c 1 stderr.txt | od -An -c) == *'\n'* ]] ||
         complaints+=("standard error is not one line")
     [[ -z $number ]] || grep -qF "error $number: " stderr.txt || complaints+=("standard error has not the number $number")
+    [[ "$*" != *--strict* ]] || ! grep -qF "warning $number: " stderr.txt || complaints+=("told as a warning and as an error")
     grep -qF -- "$word" stderr.txt || complaints+=("standard error does not name \"$word\"")
     [[ ! -s stdout.txt ]] || complaints+=("something on standard output")
     [[ "$before" == "$after" ]] || complaints+=("out/ has changed")
@@ -353,6 +354,7 @@ check_bake()
     done
     [[ -z $(find a_folder nowhere -mindepth 1 2> /dev/null) ]] || wrong=$((wrong + 1))
 
+    check_option_forms
     "$programs/lsbake" good.ply -o good.lspace --quiet || wrong=$((wrong + 1))
     check_unheard 4004 lsbake good.ply -o good.lspace
     check_unheard 4004 lsbake good.ply -o good.lspace --force
@@ -371,6 +373,45 @@ check_bake()
     cp good.lspace damaged.lspace
     printf '\125' | dd of=damaged.lspace bs=1 seek=4200 conv=notrunc status=none
     check 4 damaged.lspace lsinfo check --full damaged.lspace
+}
+
+# A value behind "=" and the last of two are what they seem to be; what takes none refuses one.
+check_option_forms()
+{
+    local words
+    "$programs/lsbake" "$scenes/bunny.ply" --grid 8 --at -1,0,2 -o forms.lspace --quiet
+    for words in "--grid=8 --at=-1,0,2" "--grid 9 --grid=8 --at 1,1,1 --at -1,0,2"; do
+        count=$((count + 1))
+        # shellcheck disable=SC2086
+        "$programs/lsbake" "$scenes/bunny.ply" $words --output=other.lspace --quiet && cmp forms.lspace other.lspace ||
+            wrong=$((wrong + 1))
+    done
+    check 1002 "--flip" lsbake good.ply --flip=1 -o out/new.lspace
+    check 1003 "'=8'" lsbake good.ply --grid==8 -o out/new.lspace
+    check 1002 "--output" lsbake good.ply --output=
+    check 1001 "--grids=8" lsbake good.ply --grids=8 -o out/new.lspace
+    check 1001 "-o=x" lsbake good.ply -o=x
+}
+
+# The shafts of a file are all emptied, which breaks no rule, only hashes and answers.
+check_wrong_answers()
+{
+    local at type offset bytes result
+    "$programs/lsbake" "$scenes/cornell.gltf" "$scenes/bunny.ply" --size 1 --at 0,-1,0 --grid 16 --patches 2 -o hollow.lspace --quiet
+    for ((at = 256; at < 4096; at += 64)); do
+        type=$(dd if=hollow.lspace bs=1 skip=$at count=4 status=none)
+        [[ $type != SHFT ]] || break
+    done
+    read -r offset bytes < <(od -An -j $((at + 8)) -N 16 -t u8 hollow.lspace)
+    head -c "$bytes" /dev/zero | dd of=hollow.lspace bs=64K seek="$offset" oflag=seek_bytes conv=notrunc status=none
+    "$programs/lsbench" hollow.lspace --size 64x36 --repeat 1 > stdout.txt 2> stderr.txt
+    result=$?
+    count=$((count + 1))
+    if ((result != 5)) || ! grep -qx "lsbench: error 6601: hollow.lspace: [1-9][0-9]* answers differ .*" stderr.txt; then
+        echo "WRONG: lsbench on a file without shafts ends with $result"
+        cat stdout.txt stderr.txt
+        wrong=$((wrong + 1))
+    fi
 }
 
 # ---- Group runtime ----------------------------------------------------------------------------------
@@ -418,6 +459,7 @@ check_runtime()
         check 1071 "${value%% *}" lsbench good.lspace $value
     done
     check_unheard 4004 lsbench good.lspace --size 16x9 --repeat 1
+    check_wrong_answers
 
     check_usage lsview 1040 1042 4004
     tail=(-o out/picture.png)

@@ -21,6 +21,10 @@ const char ls_bake_help[] =
     "\n"
     "  lsbake box.gltf bunny.ply --size 1.2 --turn 30 --at 0,-1,0 -o scene.lspace\n"
     "\n"
+    "A value follows its option, or stands behind it and \"=\": --grid 64, --grid=64. Of an "
+    "option\n"
+    "given twice the last counts.\n"
+    "\n"
     "Options of the scene file before them, done in this order:\n"
     "      --scene N          of glTF: the scene to take, from 0 (default: the file's own choice)\n"
     "      --material M       override its materials: JSON that begins with {, or a file of it\n"
@@ -248,10 +252,12 @@ static const Option options[] = {
 };
 // clang-format on
 
+// By its name, which may end in "=" and a value, or by its letter.
 static const Option* find_option(const char* word)
 {
+    const size_t length = strcspn(word, "=");
     for (size_t i = 0; i < sizeof options / sizeof *options; i++)
-        if (!strcmp(word, options[i].name) ||
+        if ((strlen(options[i].name) == length && !strncmp(word, options[i].name, length)) ||
             (options[i].letter && !strcmp(word, options[i].letter)))
             return &options[i];
     return NULL;
@@ -280,6 +286,9 @@ static LsResult take_option(BakeArguments* arguments, const Option* option, cons
     if (!target)
         return ls_error_set(error, LS_MESSAGE_USAGE_OPTION_PLACE,
                             "%s belongs to a scene file; write it behind one", word);
+    if (!option->read && value)
+        return ls_error_set(error, LS_MESSAGE_USAGE_OPTION_VALUE, "%s takes no value; leave it out",
+                            option->name);
     if (!option->read)
     {
         *(bool*)target = true;
@@ -290,7 +299,7 @@ static LsResult take_option(BakeArguments* arguments, const Option* option, cons
                             word, option->takes);
     return option->read(option, value, target)
                ? LS_OK
-               : ls_error_set(error, (int)option->message, "%s takes %s, not '%s'", word,
+               : ls_error_set(error, (int)option->message, "%s takes %s, not '%s'", option->name,
                               option->takes, value);
 }
 
@@ -313,8 +322,12 @@ static LsResult parse_words(BakeArguments* arguments, int argc, char** argv, LsE
         if (!option)
             return ls_error_set(error, LS_MESSAGE_USAGE_OPTION_UNKNOWN,
                                 "unknown option '%s'; lsbake --help lists all", word);
-        i += option->read != NULL;
-        result = take_option(arguments, option, word, i < argc ? argv[i] : NULL, error);
+        const char* value = strchr(word, '=');
+        if (value)
+            value++;
+        else if (option->read && i + 1 < argc)
+            value = argv[++i];
+        result = take_option(arguments, option, word, value, error);
         if (arguments->help || arguments->version)
             break;
     }

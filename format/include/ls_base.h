@@ -58,6 +58,7 @@ extern "C"
     X(ERROR_DEVICE_MEMORY, 63, "out of device memory")                                 \
     X(ERROR_DEVICE_LOST, 64, "device lost")                                            \
     X(ERROR_DEVICE, 65, "a Vulkan call failed")                                        \
+    X(ERROR_DEVICE_ANSWERS, 66, "wrong answers")                                       \
     X(ERROR_MEMORY, 70, "out of memory")
 
     typedef enum LsResult

@@ -388,10 +388,16 @@ int main(int argc, char** argv)
     LsError error;
     if (!done)
     {
-        const LsResult result = run_bench(&bench, &options, &error);
-        code = result != LS_OK                       ? report(&error)
-               : print_report(&bench, &options) == 0 ? LS_EXIT_OK
-                                                     : LS_EXIT_DEVICE;
+        LsResult result = run_bench(&bench, &options, &error);
+        const uint32_t differing = result == LS_OK ? print_report(&bench, &options) : 0;
+        if (differing > 0)
+        {
+            result = ls_error_set(&error, LS_MESSAGE_ANSWERS_DIFFER,
+                                  "%s: %u answers differ from brute force; lsinfo check --full "
+                                  "tells whether the file is damaged",
+                                  options.scene_path, differing);
+        }
+        code = result == LS_OK ? LS_EXIT_OK : report(&error);
         close_bench(&bench);
     }
     if (code == LS_EXIT_OK && (fflush(stdout) != 0 || ferror(stdout)))

@@ -59,7 +59,7 @@ file(RENAME ${SCRATCH_DIR}/installed ${prefix})
 # No file made for users names a folder of this machine.
 file(GLOB_RECURSE made ${prefix}/*.cmake ${prefix}/*.pc)
 list(LENGTH made made_count)
-if(made_count LESS 6)
+if(made_count LESS 7)
     message(FATAL_ERROR "only ${made_count} package files: ${made}")
 endif()
 foreach(file IN LISTS made)
@@ -83,6 +83,63 @@ run(${prefix}/bin/lsbake ${SOURCE_DIR}/scenes/cornell.gltf -o ${SCRATCH_DIR}/sce
 run(${SCRATCH_DIR}/package/consumer_bake ${SOURCE_DIR}/scenes/cornell.gltf ${SCRATCH_DIR}/again.lspace)
 run(${CMAKE_COMMAND} -E compare_files ${SCRATCH_DIR}/scene.lspace ${SCRATCH_DIR}/again.lspace)
 check_users(${SCRATCH_DIR}/package)
+
+# ls_add_bake: what a scene names is known, and what has not changed is left alone.
+# expect_bakes(FOLDER NAMES): another build bakes just these.
+function(expect_bakes FOLDER)
+    run(${CMAKE_COMMAND} --build ${FOLDER})
+    foreach(name obj gltf)
+        if(("${name}" IN_LIST ARGN AND NOT printed MATCHES "Baking scene_${name}")
+                OR (NOT "${name}" IN_LIST ARGN AND printed MATCHES "Baking scene_${name}"))
+            message(FATAL_ERROR "bakes of ${ARGN} were expected:\n${printed}")
+        endif()
+    endforeach()
+endfunction()
+
+# hash(NAME): of a baked file, in `sum`.
+function(hash FOLDER NAME)
+    file(SHA256 ${FOLDER}/${NAME}.lspace value)
+    set(sum ${value} PARENT_SCOPE)
+endfunction()
+
+function(check_bakes FOLDER)
+    set(scenes ${FOLDER}-scenes)
+    file(WRITE ${scenes}/a.obj "mtllib my own.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n")
+    file(WRITE "${scenes}/my own.mtl" "newmtl red\nKd 1 0 0\n")
+    file(WRITE ${scenes}/b.gltf [[{"asset":{"version":"2.0"},"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+        "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"buffers":[{"byteLength":36,"uri":"b.bin"}],
+        "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+        "bufferViews":[{"buffer":0,"byteLength":36}]}]])
+    # Nine floats, (0,0,0), (x,0,0), (0,x,0) of letters that are numbers: 2.05 or so.
+    file(WRITE ${scenes}/b.bin "333@333@333@ABC@333@333@333@ABC@333@")
+    build(${FOLDER} -D SCENES=${scenes} ${ARGN})
+    expect_bakes(${FOLDER})
+    hash(${FOLDER} obj)
+    set(first ${sum})
+    file(TOUCH "${scenes}/my own.mtl")
+    expect_bakes(${FOLDER} obj)
+    hash(${FOLDER} obj)
+    if(NOT sum STREQUAL first)
+        message(FATAL_ERROR "a library that is only touched changes the file")
+    endif()
+    file(WRITE "${scenes}/my own.mtl" "newmtl red\nKd 0 1 0\n")
+    expect_bakes(${FOLDER} obj)
+    hash(${FOLDER} obj)
+    if(sum STREQUAL first)
+        message(FATAL_ERROR "another library leaves the file as it was")
+    endif()
+    hash(${FOLDER} gltf)
+    set(first ${sum})
+    file(WRITE ${scenes}/b.bin "333@333@333@ABD@333@333@333@ABC@333@")
+    expect_bakes(${FOLDER} gltf)
+    hash(${FOLDER} gltf)
+    if(sum STREQUAL first)
+        message(FATAL_ERROR "another buffer leaves the file as it was")
+    endif()
+    expect_bakes(${FOLDER})
+endfunction()
+
+check_bakes(${SCRATCH_DIR}/bakes -D CMAKE_PREFIX_PATH=${prefix})
 
 # pkg-config and the compiler by itself.
 set(ENV{PKG_CONFIG_PATH} ${prefix}/${LIBDIR}/pkgconfig)
