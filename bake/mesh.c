@@ -230,7 +230,8 @@ static LsResult copy_triangles(LsMesh* mesh, const Work* work, bool keep_degener
 }
 
 LsResult ls_mesh_create(LsMesh* mesh, LsInput* input, uint32_t index, const LsBakeDesc* desc,
-                        uint32_t threads, LsMeshFindings* findings, LsError* error)
+                        uint32_t threads, const LsStageProgress* progress, LsMeshFindings* findings,
+                        LsError* error)
 {
     Work work = {.source = &input->meshes[index]};
     work.name = input->paths[work.source->input_index];
@@ -242,11 +243,16 @@ LsResult ls_mesh_create(LsMesh* mesh, LsInput* input, uint32_t index, const LsBa
                             "%s: a mesh of %u triangles; an object has %u at most, split it",
                             work.name, mesh->face_count, LS_MAX_FACES);
     }
+    // The shares of the time are those of a scanned model (the Stanford dragon).
     LsResult result = check_vertices(work.source, work.name, error);
     result = result == LS_OK ? weld_corners(&work, desc->no_weld, error) : result;
+    ls_stage_note(progress, 0.3);
     result = result == LS_OK ? find_flat_faces(&work, error) : result;
+    ls_stage_note(progress, 0.4);
     result = result == LS_OK ? find_faults(&work, threads, findings, error) : result;
+    ls_stage_note(progress, 0.8);
     result = result == LS_OK ? copy_triangles(mesh, &work, desc->keep_degenerate, error) : result;
+    ls_stage_note(progress, 0.9);
     if (result == LS_OK)
     {
         const LsLooksSource source = {.corners = work.corners,

@@ -4,6 +4,7 @@
 #define LS_MESH_H
 
 #include "looks.h"
+#include "progress.h"
 #include "topology.h"
 
 // Faces of one object: sides are counted in 32 bits.
@@ -33,10 +34,11 @@ typedef struct LsMeshFindings
 // looks. Of `desc` the options of the mesh stage count. Faces without area are dropped, or kept as the
 // points and segments that they are: the middle one of three corners on a line moves to the nearer of the
 // others, which proves (SPEC 7.4) that no ray hits the triangle. A mesh whose faces all have no area has
-// none kept. The result does not depend on `threads`. Errors: MESH_NOT_FINITE, LIMIT_RECORDS, MESH_FAR,
+// none kept. The result does not depend on `threads`; `progress` may be NULL. Errors: MESH_NOT_FINITE, LIMIT_RECORDS, MESH_FAR,
 // MESH_EXTENT, OUT_OF_MEMORY; under --strict those of ls_looks_create.
 LsResult ls_mesh_create(LsMesh* mesh, LsInput* input, uint32_t index, const LsBakeDesc* desc,
-                        uint32_t threads, LsMeshFindings* findings, LsError* error);
+                        uint32_t threads, const LsStageProgress* progress, LsMeshFindings* findings,
+                        LsError* error);
 void ls_mesh_destroy(LsMesh* mesh);
 
 #endif

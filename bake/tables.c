@@ -76,7 +76,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
 }
 
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
-                          uint32_t threads, const LsTablesProgress* progress, LsError* error)
+                          uint32_t threads, const LsStageProgress* progress, LsError* error)
 {
     *tables = (LsTables){0};
     LsResult result = place_tables(tables, voxels, patches, error);
@@ -97,9 +97,9 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
         {
             const LsWorkVoxel* voxel = &voxels->voxels[i];
             // Voxels go out in order, so the first thread's own says how far all are.
-            if (progress != NULL && omp_get_thread_num() == 0 && i % 32 == 0)
+            if (omp_get_thread_num() == 0 && i % 32 == 0)
             {
-                progress->note(progress->user, (double)i / voxels->voxel_count);
+                ls_stage_note(progress, (double)i / voxels->voxel_count);
             }
             if (!ok || voxel->kind != LS_VOXEL_MASKS)
             {

@@ -17,17 +17,10 @@ typedef struct LsTables
 // log2 of the bits per shaft, 2..5, for a voxel of `count` triangles.
 uint32_t ls_mask_width_log2(uint32_t count);
 
-// Hears how far the work is, from one thread; fraction in [0,1] of the object's voxels.
-typedef struct LsTablesProgress
-{
-    void (*note)(void* user, double fraction);
-    void* user;
-} LsTablesProgress;
-
 // Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend
 // on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
-                          uint32_t threads, const LsTablesProgress* progress, LsError* error);
+                          uint32_t threads, const LsStageProgress* progress, LsError* error);
 void ls_tables_destroy(LsTables* tables);
 
 #endif

@@ -6,6 +6,7 @@
 #define LS_VOXELS_H
 
 #include "grid_frame.h"
+#include "progress.h"
 
 // An object's voxels, in the order and with the words of SPEC chapter 5. Owns its arrays.
 typedef struct LsVoxels
@@ -27,10 +28,10 @@ typedef struct LsVoxels
 } LsVoxels;
 
 // Voxelizes and puts the mesh's triangles into the order in which voxels first name them. The
-// result does not depend on `threads`. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than
+// result does not depend on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than
 // the format counts).
 LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
-                          uint32_t threads, LsError* error);
+                          uint32_t threads, const LsStageProgress* progress, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
 
 #endif

@@ -54,6 +54,8 @@ ls_add_test(NAME test_report SOURCES test_report.c ${PROJECT_SOURCE_DIR}/bake/cm
         ${PROJECT_SOURCE_DIR}/bake/cmd/report.c
     LIBRARIES ls_bake PkgConfig::CJSON)
 target_include_directories(test_report PRIVATE ${PROJECT_SOURCE_DIR}/bake/cmd)
+ls_add_test(NAME test_progress SOURCES test_progress.c ${PROJECT_SOURCE_DIR}/bake/cmd/bar.c LIBRARIES ls_bake)
+target_include_directories(test_progress PRIVATE ${PROJECT_SOURCE_DIR}/bake/cmd)
 ls_add_test(NAME test_topology SOURCES test_topology.c LIBRARIES ls_bake ls_test_topology)
 target_include_directories(test_topology PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 

@@ -89,7 +89,7 @@ static LsResult check_mesh(const char* path, LsMeshReport* report, LsError* erro
     if (result == LS_OK)
     {
         assert_int_equal(input.mesh_count, 1);
-        result = ls_mesh_create(&mesh, &input, 0, &(LsBakeDesc){0}, 1, &findings, error);
+        result = ls_mesh_create(&mesh, &input, 0, &(LsBakeDesc){0}, 1, NULL, &findings, error);
     }
     *report = findings.report;
     ls_mesh_destroy(&mesh);

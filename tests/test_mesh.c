@@ -70,8 +70,9 @@ static LsMesh create(LsInput* input, const LsBakeDesc* desc, LsMeshFindings* fin
     LsMesh mesh;
     LsError error = {0};
     LsMeshFindings own;
-    expect_ok(ls_mesh_create(&mesh, input, 0, desc, 2, findings != NULL ? findings : &own, &error),
-              &error);
+    expect_ok(
+        ls_mesh_create(&mesh, input, 0, desc, 2, NULL, findings != NULL ? findings : &own, &error),
+        &error);
     return mesh;
 }
 
@@ -343,7 +344,7 @@ static void smooth_normals_follow_a_sphere(void** state)
         LsError error = {0};
         expect_ok(ls_mesh_create(&mesh, &input, 0,
                                  &(LsBakeDesc){.normals = LS_NORMALS_SMOOTH, .smooth_angle = 40.0},
-                                 round == 0 ? 1 : 3, &findings, &error),
+                                 round == 0 ? 1 : 3, NULL, &findings, &error),
                   &error);
         assert_int_equal(findings.report.degenerate_count, 2 * AROUND);
         assert_int_equal(findings.report.hole_count, 0);
@@ -458,7 +459,8 @@ static void expect_warning(LsInput* input, LsMessage message)
         LsMesh mesh;
         LsMeshFindings findings;
         LsError error = {0};
-        LsResult result = ls_mesh_create(&mesh, input, 0, &(LsBakeDesc){0}, 1, &findings, &error);
+        LsResult result =
+            ls_mesh_create(&mesh, input, 0, &(LsBakeDesc){0}, 1, NULL, &findings, &error);
         if (strict)
         {
             assert_int_equal(result, LS_ERROR_INPUT_WARNING);
@@ -527,7 +529,7 @@ static void expect_error(LsInput* input, LsMessage message)
     LsMesh mesh;
     LsMeshFindings findings;
     LsError error = {0};
-    assert_int_equal(ls_mesh_create(&mesh, input, 0, &(LsBakeDesc){0}, 1, &findings, &error),
+    assert_int_equal(ls_mesh_create(&mesh, input, 0, &(LsBakeDesc){0}, 1, NULL, &findings, &error),
                      message / 100);
     assert_int_equal(error.message, message);
     assert_non_null(strstr(error.text, "made.here"));
@@ -635,12 +637,14 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
         LsMeshFindings findings;
-        expect_ok(ls_mesh_create(&meshes[i], input, i, &(LsBakeDesc){0}, 1, &findings, &error),
-                  &error);
+        expect_ok(
+            ls_mesh_create(&meshes[i], input, i, &(LsBakeDesc){0}, 1, NULL, &findings, &error),
+            &error);
         if (with_grid)
         {
             LsGridFrame frame = ls_grid_frame(&meshes[i], 8);
-            expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], &frame, 1, &error), &error);
+            expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], &frame, 1, NULL, &error),
+                      &error);
             expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i], 1, 1,
                                        NULL, &error),
                       &error);

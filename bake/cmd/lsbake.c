@@ -2,6 +2,7 @@
 
 #include "bake_arguments.h"
 #include "bake_warnings.h"
+#include "bar.h"
 #include "interrupt.h"
 #include "ls_messages.h"
 #include "ls_write.h"
@@ -12,7 +13,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 #include <unistd.h>
 
 static LsResult check_path(const char* input, const char* output, LsError* error)
@@ -58,44 +58,6 @@ static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
     return result;
 }
 
-// The state of the bar.
-typedef struct Bar
-{
-    int percent;
-    double drawn; // when, in seconds
-} Bar;
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-// A bar on the terminal's last line, rewritten in place, ten times a second at most.
-static void draw_progress(void* user, const char* stage, double fraction)
-{
-    Bar* bar = user;
-    const int percent = (int)(fraction * 100.0);
-    const bool is_end = fraction >= 1.0;
-    const double time = now();
-    if (percent == bar->percent || (!is_end && fraction > 0.0 && time < bar->drawn + 0.1))
-    {
-        return;
-    }
-    *bar = (Bar){.percent = percent, .drawn = time};
-    if (is_end)
-    {
-        fputs("\r\033[K", stderr);
-    }
-    else
-    {
-        fprintf(stderr, "\r%-10s [%-30.*s] %3d %%", stage, percent * 30 / 100,
-                "##############################", percent);
-    }
-    fflush(stderr);
-}
-
 static int fail(const LsError* error, const LsBakeDesc* desc)
 {
     fprintf(stderr, "lsbake: error %u: %s", error->message, error->text);
@@ -111,13 +73,13 @@ static int fail(const LsError* error, const LsBakeDesc* desc)
 static LsResult bake(const BakeArguments* arguments, LsError* error)
 {
     LsBakeDesc desc = arguments->desc;
-    Bar bar = {.percent = -1};
+    Bar bar = {0};
     BakeWarnings warnings = {.quiet = arguments->quiet};
     desc.warn = ls_bake_warnings_take;
     desc.warn_user = &warnings;
     if (!arguments->quiet && isatty(STDERR_FILENO))
     {
-        desc.progress = draw_progress;
+        desc.progress = ls_bar_draw;
         desc.progress_user = &bar;
     }
     LsResult result = check_paths(&desc, error);
@@ -129,6 +91,7 @@ static LsResult bake(const BakeArguments* arguments, LsError* error)
         }
         LsBakeReport report = {0};
         result = ls_bake_run(&desc, &report, error);
+        ls_bar_clear(&bar);
         ls_bake_warnings_end(&warnings);
         if (result == LS_OK && arguments->json)
         {

@@ -17,7 +17,8 @@ extern "C"
 {
 #endif
 
-    // Called as stages go on, from one thread at a time; fraction in [0,1] of the stage.
+    // Called as the bake goes on, from one thread at a time: the stage's name, and an estimate of how much of the
+    // whole bake is done, in [0,1], which never falls and is 1 at the end.
     typedef void LsProgress(void* user, const char* stage, double fraction);
 
     // Called once for each warning, as ls_bake_run goes on: what the scene has and the file will not.
