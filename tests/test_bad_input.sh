@@ -311,6 +311,8 @@ check_bake()
     # Warnings: shown, all of them in the report, errors if asked for.
     check 3807 points.ply lsbake good.ply points.ply --strict -o out/scene.lspace
     check 3807 points.ply lsbake good.ply points.ply --strict -o out/older.lspace
+    printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nvn nan 0 0\nf 1//1 2//1 3//1\n' > odd_normals.obj # found by the mesh stage
+    check 3895 odd_normals.obj lsbake odd_normals.obj --strict -o out/older.lspace
     "$programs/lsbake" good.ply points.ply -o warned.lspace --report json > stdout.txt 2> stderr.txt || wrong=$((wrong + 1))
     [[ $(grep -c '^lsbake: warning 3807: points.ply: ' stderr.txt) == 1 && $(wc -l < stderr.txt) == 1 ]] || wrong=$((wrong + 1))
     [[ $(head -c 1 stdout.txt) == '{' && $(grep -c '"number":.*3807' stdout.txt) == 1 ]] || wrong=$((wrong + 1))

@@ -207,6 +207,40 @@ static void text_has_a_line_a_kind(void** state)
     ls_bake_report_destroy(&report);
 }
 
+// Seconds of every stage, and what memory it took: in both.
+static void reports_tell_time_and_memory(void** state)
+{
+    (void)state;
+    LsBakeReport report = bake_faulty();
+    char* text = capture(print_json, &report);
+    cJSON* root = cJSON_Parse(text);
+    assert_non_null(root);
+    free(text);
+    text = capture(print_text, &report);
+    const cJSON* stages = cJSON_GetObjectItemCaseSensitive(root, "stage_seconds");
+    assert_int_equal(cJSON_GetArraySize(stages), LS_BAKE_STAGE_COUNT);
+    double sum = 0.0;
+    for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
+    {
+        const char* name = ls_bake_stage_text((LsBakeStage)i);
+        const double seconds = number_of(stages, name);
+        assert_true(seconds > 0.0 && seconds < 3600.0);
+        sum += seconds;
+        char words[64];
+        snprintf(words, sizeof words, " %s %.2f s", name, seconds);
+        assert_non_null(strstr(text, words));
+    }
+    assert_float_equal(sum, number_of(root, "seconds"), 1e-9);
+    const double bytes = number_of(root, "peak_memory_bytes");
+    assert_true(bytes > 1e5);
+    char words[64];
+    snprintf(words, sizeof words, "peak memory %.0f MB\n", bytes * 1e-6);
+    assert_non_null(strstr(text, words));
+    free(text);
+    cJSON_Delete(root);
+    ls_bake_report_destroy(&report);
+}
+
 static void expect_error(const char* name, const char* text, LsMessage message)
 {
     char source[128], target[128];
@@ -289,6 +323,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(json_lists_all),
         cmocka_unit_test(text_has_a_line_a_kind),
+        cmocka_unit_test(reports_tell_time_and_memory),
         cmocka_unit_test(scenes_that_cannot_be_baked),
         cmocka_unit_test(older_outputs),
         cmocka_unit_test(tables_beyond_the_format),
