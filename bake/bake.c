@@ -320,12 +320,13 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             bake->report.list_object_count++;
             continue;
         }
-        LsGridFrame frame = ls_grid_frame(
-            mesh, bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count));
+        const uint32_t grid =
+            bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count);
+        const LsGridFrame frame = ls_grid_frame(mesh, grid);
         LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
         if (result == LS_OK)
         {
-            result = ls_voxels_create(&bake->objects[i].voxels, mesh, &frame, bake->threads,
+            result = ls_voxels_create(&bake->objects[i].voxels, mesh, grid, bake->threads,
                                       &progress, error);
         }
         if (result != LS_OK)
@@ -333,6 +334,7 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             return result;
         }
         bake->objects[i].has_grid = true;
+        bake->report.crowded_object_count += bake->objects[i].voxels.frame.grid < grid;
         count_voxels(bake, &bake->objects[i].voxels);
     }
     return LS_OK;

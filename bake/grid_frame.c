@@ -8,7 +8,7 @@
 
 LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid)
 {
-    LsGridFrame frame = {0};
+    LsGridFrame frame = {.grid = grid};
     double bound = grid * 0x1p-18;
     double longest = 0.0;
     for (int axis = 0; axis < 3; axis++)

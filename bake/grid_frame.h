@@ -10,6 +10,7 @@ typedef struct LsGridFrame
 {
     float lower[3];     // object space
     float inverse_cell; // cells per object unit
+    uint32_t grid;      // cells along the longest side, as asked for
     uint32_t cells[3];
     float bound;    // e, in cells; SPEC 7.5
     uint32_t depth; // deepest sub-grid level that e and float allow

@@ -3,6 +3,7 @@
 #include "voxels.h"
 
 #include "bvh.h"
+#include "copies.h"
 #include "distances.h"
 #include "overlap.h"
 #include "subdivide.h"
@@ -13,6 +14,13 @@
 #include <string.h>
 
 #define MAX_LINKS (1u << 28) // an index has 28 bits
+
+// A grid is crowded if its cells together hold more references than this for each triangle, and more than
+// that for each filled cell: triangles lie through each other, and finer cells hold hardly fewer of
+// them. Such a grid is halved until it is not, which bounds time and memory. Meshes of one surface
+// hold 1.2 to 3 a triangle, or if their triangles span many cells 1 to 3 a cell.
+#define CROWDED_TRIANGLE 16
+#define CROWDED_CELL 8
 
 // How far the stage is when voxels begin and end to be divided; this and the table in `run` are measured
 // on a scanned model (the Stanford dragon, 512 cells).
@@ -37,6 +45,7 @@ typedef struct Visit
     void (*cell)(struct Visit* visit, uint32_t x, uint32_t y, uint32_t z);
     struct Build* build;
     uint32_t triangle_index;
+    uint32_t count; // of cells visited
 } Visit;
 
 static bool range_touches(const Visit* visit, const int low[3], const int high[3])
@@ -66,6 +75,7 @@ static void visit_range(Visit* visit, const int low[3], const int high[3])
     if (high[longest] - low[longest] == 1)
     {
         visit->cell(visit, (uint32_t)low[0], (uint32_t)low[1], (uint32_t)low[2]);
+        visit->count++;
         return;
     }
     int middle = (low[longest] + high[longest]) / 2;
@@ -97,7 +107,12 @@ typedef struct Build
     uint32_t threads;
     const LsStageProgress* progress;
     double grow;
-    uint32_t blocks[3];    // blocks per axis
+    uint8_t* copies;     // of ls_find_copies; voxels do not list them
+    uint64_t visited;    // cells of triangles in the last visit, at least `most` if it was given up
+    uint64_t most;       // a visit gives up after so many
+    bool may_be_crowded; // it has one cell and cannot be halved
+    bool crowded;        // see CROWDED_TRIANGLE
+    uint32_t blocks[3];  // blocks per axis
     uint32_t* block_links; // cell block of a block, LS_NONE where empty
     uint32_t grid_blocks;  // cell blocks of the grid itself
     uint32_t* counts;      // references per cell of the cell blocks, then fill positions
@@ -147,9 +162,17 @@ static void visit_all(Build* build, double size, const uint32_t limits[3],
                       void (*cell)(Visit*, uint32_t, uint32_t, uint32_t))
 {
     const LsMesh* mesh = build->mesh;
+    build->visited = 0;
 #pragma omp parallel for schedule(dynamic, 64) num_threads(build->threads)
     for (uint32_t i = 0; i < mesh->triangle_count; i++)
     {
+        uint64_t visited;
+#pragma omp atomic read
+        visited = build->visited;
+        if (build->copies[i] || visited >= build->most)
+        {
+            continue;
+        }
         LsOverlap triangle = prepare_triangle(&build->out->frame, &mesh->triangles[i]);
         Visit visit = {.triangle = &triangle,
                        .size = size,
@@ -158,6 +181,8 @@ static void visit_all(Build* build, double size, const uint32_t limits[3],
                        .build = build,
                        .triangle_index = i};
         visit_triangle(&visit, limits);
+#pragma omp atomic
+        build->visited += visit.count;
     }
 }
 
@@ -240,20 +265,31 @@ static LsResult fill_cells(Build* build, LsError* error)
     {
         return report_memory(error);
     }
+    // Beyond this the grid is crowded, whatever the number of filled cells.
+    const uint64_t few = CROWDED_TRIANGLE * (uint64_t)build->mesh->triangle_count;
+    const uint64_t all = CROWDED_CELL * (uint64_t)slots;
+    build->most = build->may_be_crowded ? UINT64_MAX : (few > all ? few : all) + 1;
     visit_all(build, 1.0, cells, count_cell);
-    uint64_t sum = 0;
+    uint64_t sum = 0, filled = 0;
     for (size_t i = 0; i < slots; i++)
     {
+        filled += build->counts[i] != 0;
         build->first[i] = (uint32_t)sum;
         sum += build->counts[i];
-        if (sum > UINT32_MAX)
-        {
-            return report_limit(error, "references");
-        }
         build->counts[i] = build->first[i];
     }
     build->first[slots] = (uint32_t)sum;
     build->grid_references = sum;
+    build->crowded = !build->may_be_crowded && sum > few && sum > CROWDED_CELL * filled;
+    build->most = UINT64_MAX;
+    if (build->crowded)
+    {
+        return LS_OK;
+    }
+    if (sum > UINT32_MAX)
+    {
+        return report_limit(error, "references");
+    }
     build->references = malloc((sum + 1) * sizeof(uint32_t));
     if (build->references == NULL)
     {
@@ -582,6 +618,13 @@ static LsResult order_triangles(Build* build, LsError* error)
         }
         *reference = renumbered[*reference];
     }
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    {
+        if (renumbered[i] == LS_NONE) // a copy
+        {
+            triangles[next++] = mesh->triangles[i];
+        }
+    }
     free(renumbered);
     free(mesh->triangles);
     mesh->triangles = triangles;
@@ -608,7 +651,7 @@ static LsResult run(Build* build, LsError* error)
         {divide_voxels, DIVIDE_END}, {join_subtrees, 0.87},      {fill_distances, 0.95},
         {order_triangles, 1.0}};
     LsResult result = LS_OK;
-    for (size_t i = 0; i < sizeof steps / sizeof *steps && result == LS_OK; i++)
+    for (size_t i = 0; i < sizeof steps / sizeof *steps && result == LS_OK && !build->crowded; i++)
     {
         result = steps[i].run(build, error);
         ls_stage_note(build->progress, steps[i].end);
@@ -616,16 +659,21 @@ static LsResult run(Build* build, LsError* error)
     return result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error)
+// One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
+static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint8_t* copies,
+                         uint32_t threads, const LsStageProgress* progress, bool* crowded,
+                         LsError* error)
 {
-    *voxels = (LsVoxels){.frame = *frame};
+    *voxels = (LsVoxels){.frame = ls_grid_frame(mesh, grid)};
     // The slack keeps the rounding of double on the safe side of e.
     Build build = {.out = voxels,
                    .mesh = mesh,
                    .threads = threads,
                    .progress = progress,
-                   .grow = frame->bound * (1.0 + 1e-6)};
+                   .grow = voxels->frame.bound * (1.0 + 1e-6),
+                   .copies = copies,
+                   .most = UINT64_MAX,
+                   .may_be_crowded = grid == 1};
     LsResult result = run(&build, error);
     for (uint32_t i = 0; i < build.subtree_count; i++)
     {
@@ -636,10 +684,30 @@ LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* fra
     free(build.first);
     free(build.references);
     free(build.subtrees);
-    if (result != LS_OK)
+    *crowded = build.crowded;
+    if (result != LS_OK || build.crowded)
     {
         ls_voxels_destroy(voxels);
     }
+    return result;
+}
+
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error)
+{
+    *voxels = (LsVoxels){0};
+    uint8_t* copies = ls_find_copies(mesh);
+    if (copies == NULL)
+    {
+        return report_memory(error);
+    }
+    bool crowded = true;
+    LsResult result = LS_OK;
+    for (uint32_t cells = grid; crowded && result == LS_OK; cells /= 2)
+    {
+        result = try_grid(voxels, mesh, cells, copies, threads, progress, &crowded, error);
+    }
+    free(copies);
     return result;
 }
 

@@ -27,11 +27,12 @@ typedef struct LsVoxels
     uint32_t depth; // deepest level in use
 } LsVoxels;
 
-// Voxelizes and puts the mesh's triangles into the order in which voxels first name them. The
-// result does not depend on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than
-// the format counts).
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, const LsGridFrame* frame,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error);
+// Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see
+// voxels->frame. Puts the mesh's triangles into the order in which voxels first name them; copies
+// (ls_find_copies), which none names, come last. The result does not depend on `threads`. `progress`
+// may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
 
 #endif

@@ -4,3 +4,7 @@ target_link_libraries(ls_test_embree PUBLIC ls_test_reference ${LS_EMBREE} PRIVA
 
 ls_add_test(NAME test_exact SOURCES test_exact.c
     LIBRARIES ls_test_gpu ls_test_scenes ls_test_reference ls_test_embree)
+
+ls_add_test(NAME test_hard SOURCES test_hard.c hard_meshes.c
+    LIBRARIES ls_test_gpu ls_test_scenes)
+set_tests_properties(test_hard PROPERTIES LABELS gpu)

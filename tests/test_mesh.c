@@ -642,9 +642,7 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
             &error);
         if (with_grid)
         {
-            LsGridFrame frame = ls_grid_frame(&meshes[i], 8);
-            expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], &frame, 1, NULL, &error),
-                      &error);
+            expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], 8, 1, NULL, &error), &error);
             expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i], 1, 1,
                                        NULL, &error),
                       &error);

@@ -116,6 +116,11 @@ void ls_report_print_text(const LsBakeReport* report, const char* output)
            (unsigned long long)report->voxel_kind_count[LS_VOXEL_MASKS],
            (unsigned long long)report->voxel_kind_count[LS_VOXEL_SUBGRID], report->depth,
            (unsigned long long)report->voxel_kind_count[LS_VOXEL_BVH]);
+    if (report->crowded_object_count > 0)
+    {
+        printf("  objects with fewer cells than asked for, since their triangles crowd: %llu\n",
+               (unsigned long long)report->crowded_object_count);
+    }
     if (report->shaft_count > 0)
     {
         printf("  shafts %llu, %.1f %% filled\n", (unsigned long long)report->shaft_count,
@@ -216,6 +221,7 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
             {"peak_memory_bytes", (double)report->peak_memory_bytes},
             {"objects", report->object_count},
             {"list_objects", (double)report->list_object_count},
+            {"crowded_objects", (double)report->crowded_object_count},
             {"instances", report->instance_count},
             {"materials", report->material_count},
             {"lights", report->light_count},

@@ -195,6 +195,7 @@ extern "C"
         uint64_t cell_block_count, voxel_count, subgrid_count, reference_count;
         uint64_t voxel_kind_count[4]; // by LS_VOXEL_*
         uint64_t list_object_count;
+        uint64_t crowded_object_count; // given fewer cells than asked for: triangles crowd in them
         uint64_t shaft_count, filled_shaft_count; // of stored tables
         uint32_t depth;
         double max_condition;     // largest condition number of an instance's transform
