@@ -5,9 +5,10 @@
 
 #include "gltf_import.h"
 #include "input_files.h"
+#include "ls_format.h"
 
-#include <cstdio>
 #include <cstring>
+#include <string_view>
 
 namespace
 {
@@ -15,38 +16,22 @@ namespace
 constexpr size_t GLB_START = 20; // its header and that of the first chunk, which is the JSON
 constexpr size_t LONGEST_KEY = 64;
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-// The JSON of a file, in a GLB or alone; empty where it cannot be read.
-std::string read_json(const char* path)
+// The JSON of a file, in a GLB or alone.
+std::string_view find_json(const LsMapping& file)
 {
-    const File file(std::fopen(path, "rb"), std::fclose);
-    unsigned char start[GLB_START];
-    if (!file || std::fseek(file.get(), 0, SEEK_END))
-        return {};
-    long size = std::ftell(file.get());
-    std::rewind(file.get());
-    if (size < static_cast<long>(sizeof start) ||
-        std::fread(start, 1, sizeof start, file.get()) != sizeof start)
-        return {};
-    if (!std::memcmp(start, "glTF", 4))
-    {
-        uint32_t json_size;
-        std::memcpy(&json_size, start + 12, sizeof json_size);
-        size = std::min(size - static_cast<long>(sizeof start), static_cast<long>(json_size));
-    }
-    else
-        std::rewind(file.get());
-    std::string text(static_cast<size_t>(size), '\0');
-    text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-    return text;
+    const std::string_view text(static_cast<const char*>(file.bytes), file.size);
+    if (text.substr(0, 4) != "glTF" || text.size() < GLB_START)
+        return text;
+    uint32_t size;
+    std::memcpy(&size, text.data() + GLB_START - 8, sizeof size);
+    return text.substr(GLB_START, size);
 }
 
 // Where the string that begins at `start` ends: the place of its closing quote, or the text's end.
-size_t find_quote(const std::string& text, size_t start)
+size_t find_quote(std::string_view text, size_t start)
 {
     size_t end = start;
-    while ((end = text.find('"', end + 1)) != std::string::npos)
+    while ((end = text.find('"', end + 1)) != std::string_view::npos)
     {
         size_t slashes = 0;
         while (text[end - 1 - slashes] == '\\')
@@ -58,21 +43,21 @@ size_t find_quote(const std::string& text, size_t start)
 }
 
 // What a string of JSON says; the quotes are at `start` and `end`.
-std::string decode(const std::string& text, size_t start, size_t end)
+std::string decode(std::string_view text, size_t start, size_t end)
 {
     const std::unique_ptr<cJSON, void (*)(cJSON*)> item(
-        cJSON_ParseWithLength(text.c_str() + start, end + 1 - start), cJSON_Delete);
+        cJSON_ParseWithLength(text.data() + start, end + 1 - start), cJSON_Delete);
     return cJSON_IsString(item.get()) ? item->valuestring : "";
 }
 
-bool is_key(const std::string& text, size_t end)
+bool is_key(std::string_view text, size_t end)
 {
     const size_t next = text.find_first_not_of(" \t\r\n", end + 1);
-    return next != std::string::npos && text[next] == ':';
+    return next != std::string_view::npos && text[next] == ':';
 }
 
 // The values of "uri" in the objects of the outermost lists "buffers" and "images".
-std::vector<std::string> find_uris(const std::string& text)
+std::vector<std::string> find_uris(std::string_view text)
 {
     std::vector<std::string> uris;
     unsigned depth = 0;
@@ -108,18 +93,22 @@ std::vector<std::string> find_uris(const std::string& text)
 
 bool ls_gltf_list_files(const char* path, LsNameTable* files)
 {
+    // Mapped, since what is only looked at should not count as memory of the bake.
+    LsMapping mapping;
+    if (ls_mapping_open(&mapping, path, nullptr) != LS_OK)
+        return true;
+    bool ok = true;
     try
     {
-        for (const std::string& uri : find_uris(read_json(path)))
-        {
-            std::string file;
-            if (ls_gltf_find_file(path, uri, file) && !ls_name_table_set(files, file.c_str(), 0))
-                return false;
-        }
-        return true;
+        std::string file;
+        for (const std::string& uri : find_uris(find_json(mapping)))
+            if (ls_gltf_find_file(path, uri, file))
+                ok = ok && ls_name_table_set(files, file.c_str(), 0);
     }
     catch (const std::exception&) // there is nothing to throw but for lack of memory
     {
-        return false;
+        ok = false;
     }
+    ls_mapping_close(&mapping);
+    return ok;
 }
