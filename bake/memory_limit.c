@@ -3,6 +3,7 @@
 #include "memory_limit.h"
 
 #include "linespace.h"
+#include "ls_format.h"
 
 #include <stdio.h>
 #include <unistd.h>
@@ -51,16 +52,15 @@ uint64_t ls_grid_need(const LsGridFrame* frame)
 
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, uint32_t patches)
 {
-    uint64_t bits = 0;
+    uint64_t words = 0;
     for (uint32_t i = 0; i < count; i++)
         for (uint32_t k = 0; k < objects[i].voxels.voxel_count; k++)
         {
             const LsWorkVoxel* voxel = &objects[i].voxels.voxels[k];
             if (voxel->kind == LS_VOXEL_MASKS)
-                bits += (uint64_t)LS_SHAFT_COUNT(patches)
-                        << ls_mask_width_log2(voxel->reference_count);
+                words += ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count);
         }
-    return bits / 8;
+    return sizeof(uint32_t) * words;
 }
 
 uint64_t ls_pack_need(const LsBakedObject* objects, const LsMesh* meshes, uint32_t count)

@@ -71,7 +71,7 @@ static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t patches)
                      .table = work->table};
     if (work->kind == LS_VOXEL_MASKS)
     {
-        voxel.shape |= patches << 8 | ls_mask_width_log2(work->reference_count) << 16;
+        voxel.shape |= patches << 8; // and masks of exact width
     }
     return voxel;
 }

@@ -3,20 +3,11 @@
 #include "tables.h"
 
 #include "linespace.h"
+#include "ls_format.h"
 
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
-
-uint32_t ls_mask_width_log2(uint32_t count)
-{
-    return count <= 4 ? 2 : (count <= 8 ? 3 : (count <= 16 ? 4 : 5));
-}
-
-static uint64_t table_words(uint32_t patches, uint32_t count)
-{
-    return (((uint64_t)LS_SHAFT_COUNT(patches) << ls_mask_width_log2(count)) + 31) / 32;
-}
 
 static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel,
                              const LsTriangle* triangle, double corners[3][3])
@@ -31,17 +22,28 @@ static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel,
     }
 }
 
-// Packs masks of 32 bits a shaft into 2^width_log2 bits. Returns the number of masks that are not
-// 0.
-static uint32_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width_log2,
-                           uint32_t* words)
+// Packs masks of 32 bits a shaft into `width` bits, one behind the other. Returns the number of masks
+// that are not 0.
+static uint64_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width, uint32_t* words)
 {
-    uint32_t per_word_log2 = 5 - width_log2;
-    uint32_t filled = 0;
+    uint64_t filled = 0;
+    uint64_t pending = 0; // bits that no word has yet, fewer than 32 before each mask
+    uint32_t pending_count = 0;
     for (uint32_t i = 0; i < count; i++)
     {
         filled += masks[i] != 0;
-        words[i >> per_word_log2] |= masks[i] << ((i << width_log2) & 31);
+        pending |= (uint64_t)masks[i] << pending_count;
+        pending_count += width;
+        if (pending_count >= 32)
+        {
+            *words++ = (uint32_t)pending;
+            pending >>= 32;
+            pending_count -= 32;
+        }
+    }
+    if (pending_count > 0)
+    {
+        *words = (uint32_t)pending;
     }
     return filled;
 }
@@ -55,7 +57,7 @@ static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patche
         if (voxel->kind == LS_VOXEL_MASKS)
         {
             voxel->table = (uint32_t)sum;
-            sum += table_words(patches, voxel->reference_count);
+            sum += ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count);
             tables->shaft_count += LS_SHAFT_COUNT(patches);
         }
     }
@@ -114,8 +116,8 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
             double bound = (double)voxels->frame.bound * (double)(1u << (2 * voxel->level));
             ls_shafts_mark((const double(*)[3][3])corners, voxel->reference_count, bound, patches,
                            masks, scratch);
-            filled += pack_masks(masks, shafts, ls_mask_width_log2(voxel->reference_count),
-                                 tables->words + voxel->table);
+            filled +=
+                pack_masks(masks, shafts, voxel->reference_count, tables->words + voxel->table);
         }
         free(masks);
         ls_shaft_scratch_destroy(scratch);

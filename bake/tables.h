@@ -14,9 +14,6 @@ typedef struct LsTables
     uint64_t filled_count; // shafts whose mask is not 0
 } LsTables;
 
-// log2 of the bits per shaft, 2..5, for a voxel of `count` triangles.
-uint32_t ls_mask_width_log2(uint32_t count);
-
 // Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend
 // on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,

@@ -43,8 +43,8 @@ static bool is_identity_matrix(const LsVec4 rows[3])
 static LsResult check_features(const LsCheck* check)
 {
     const LsFile* file = check->file;
-    const uint64_t derived =
-        derive_required_features(file->objects, file->instances, file->header->counts);
+    const uint64_t derived = derive_required_features(file->objects, file->instances, file->voxels,
+                                                      file->header->counts);
     if (file->header->required_features != derived)
     {
         return ls_error_set(

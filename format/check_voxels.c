@@ -47,13 +47,16 @@ static LsResult check_references(const LsCheck* check, VoxelPass* pass, const Ls
 // Whether no mask has a bit at or above `count`, and the last word none behind the last mask.
 static bool is_clean_table(const uint32_t* words, uint64_t bits, uint32_t width, uint32_t count)
 {
-    const uint64_t lanes = UINT32_MAX / ((1ull << width) - 1); // bit 0 of each mask of a word
-    const uint32_t illegal = ~(uint32_t)(lanes * ((1ull << count) - 1));
     const uint64_t word_count = (bits + 31) / 32;
     uint32_t any = 0;
-    for (uint64_t i = 0; i < word_count && illegal != 0; ++i)
+    if (count < width) // so the width is a power of two, and masks cross no words
     {
-        any |= words[i] & illegal;
+        const uint64_t lanes = UINT32_MAX / ((1ull << width) - 1); // bit 0 of each mask of a word
+        const uint32_t illegal = ~(uint32_t)(lanes * ((1ull << count) - 1));
+        for (uint64_t i = 0; i < word_count; ++i)
+        {
+            any |= words[i] & illegal;
+        }
     }
     if (bits % 32 != 0)
     {
@@ -62,24 +65,33 @@ static bool is_clean_table(const uint32_t* words, uint64_t bits, uint32_t width,
     return any == 0;
 }
 
+// The masks of a file are all of exact width or none are.
+static bool is_legal_width(const LsCheck* check, uint32_t log2_width)
+{
+    return (check->file->header->required_features & LS_FEATURE_EXACT_MASKS) != 0
+               ? log2_width == 0
+               : log2_width >= 2 && log2_width <= 5;
+}
+
 static LsResult check_masks(const LsCheck* check, VoxelPass* pass, const LsVoxel* voxel,
                             uint64_t record)
 {
     const uint32_t patches = voxel->shape >> 8 & 255;
     const uint32_t log2_width = voxel->shape >> 16 & 255;
-    if (patches < 1 || patches > LS_MAX_PATCHES || log2_width < 2 || log2_width > 5)
+    if (patches < 1 || patches > LS_MAX_PATCHES || !is_legal_width(check, log2_width))
     {
-        return ls_check_report(check, "R6.4", LS_CHUNK_VOXELS, record, "%u patches, width 2^%u",
+        return ls_check_report(check, "R6.4", LS_CHUNK_VOXELS, record, "%u patches, width field %u",
                                patches, log2_width);
     }
-    const uint32_t width = 1u << log2_width;
-    if (voxel->reference_count < 1 || voxel->reference_count > width)
+    const uint32_t width = ls_mask_width(voxel);
+    if (voxel->reference_count < 1 || voxel->reference_count > LS_MASK_TRIANGLES ||
+        voxel->reference_count > width)
     {
         return ls_check_report(check, "R6.4", LS_CHUNK_VOXELS, record,
                                "%u references for masks of %u bits", voxel->reference_count, width);
     }
-    const uint64_t bits = 15ull * patches * patches * patches * patches * width;
-    const uint64_t words = (bits + 31) / 32;
+    const uint64_t shafts = 15ull * patches * patches * patches * patches;
+    const uint64_t words = ls_mask_words(shafts, width);
     if (voxel->table != pass->next_shaft_word ||
         words > pass->object->shaft_word_count - pass->next_shaft_word)
     {
@@ -88,7 +100,7 @@ static LsResult check_masks(const LsCheck* check, VoxelPass* pass, const LsVoxel
                                (unsigned long long)words, voxel->table, pass->next_shaft_word,
                                pass->object->shaft_word_count);
     }
-    if (!is_clean_table(pass->shafts + voxel->table, bits, width, voxel->reference_count))
+    if (!is_clean_table(pass->shafts + voxel->table, shafts * width, width, voxel->reference_count))
     {
         return ls_check_report(check, "R6.4", LS_CHUNK_VOXELS, record,
                                "its table has bits for more than %u triangles, or behind its end",

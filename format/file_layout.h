@@ -25,9 +25,21 @@ static inline uint32_t chunk_flags(LsChunk chunk)
     return optional ? 0 : LS_ENTRY_REQUIRED;
 }
 
-// Required features (R2.14). `counts` as in the header; the next two take those of every chunk type.
+// Whether the masks of a file are of exact width: as the first voxel that has any says (R6.4 holds the
+// others to it).
+static inline bool has_exact_masks(const LsVoxel* voxels, uint32_t count)
+{
+    uint32_t i = 0;
+    while (i < count && (voxels[i].shape & 255) != LS_VOXEL_MASKS)
+    {
+        ++i;
+    }
+    return i < count && (voxels[i].shape >> 16 & 255) == 0;
+}
+
+// Required features (R2.14). `counts` as in the header.
 static inline uint64_t derive_required_features(const LsObject* objects,
-                                                const LsInstance* instances,
+                                                const LsInstance* instances, const LsVoxel* voxels,
                                                 const uint32_t counts[LS_HEADER_COUNTS])
 {
     uint64_t features = 0;
@@ -43,10 +55,11 @@ static inline uint64_t derive_required_features(const LsObject* objects,
     features |= counts[LS_CHUNK_SUBGRIDS] > 0 ? LS_FEATURE_SUBGRIDS : 0;
     features |= counts[LS_CHUNK_LEAF_NODES] > 0 ? LS_FEATURE_LEAF_BVHS : 0;
     features |= counts[LS_CHUNK_SHAFTS] > 0 ? LS_FEATURE_MASKS : 0;
+    features |= has_exact_masks(voxels, counts[LS_CHUNK_VOXELS]) ? LS_FEATURE_EXACT_MASKS : 0;
     return features;
 }
 
-// Optional features (R2.15).
+// Optional features (R2.15). `counts`, here and below, of every chunk type.
 static inline uint64_t derive_optional_features(const uint32_t counts[LS_CHUNK_COUNT])
 {
     return (counts[LS_CHUNK_LIGHTS] > 0 ? LS_FEATURE_LIGHTS : 0) |
@@ -58,10 +71,14 @@ static inline uint64_t derive_optional_features(const uint32_t counts[LS_CHUNK_C
            (counts[LS_CHUNK_ANIMATIONS] > 0 ? LS_FEATURE_ANIMATIONS : 0);
 }
 
-// The smallest minor that has all chunk types of a file, and the smallest whose readers may read it
-// (R2.16): those of 0.1 skip what 0.2 added, but know no surfaces of materials.
-static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT])
+// The smallest minor that has all of a file (R2.16).
+static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT],
+                                    uint64_t required_features)
 {
+    if ((required_features & LS_FEATURE_EXACT_MASKS) != 0)
+    {
+        return 3;
+    }
     for (int chunk = LS_CHUNK_SURFACES; chunk < LS_CHUNK_COUNT; ++chunk)
     {
         if (counts[chunk] > 0)
@@ -72,8 +89,15 @@ static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT])
     return 1;
 }
 
-static inline uint32_t derive_reader_minor(const uint32_t counts[LS_CHUNK_COUNT])
+// The smallest minor whose readers may read a file (R2.16): those of 0.1 skip what 0.2 added, but know
+// no surfaces of materials; masks of exact width are not known before 0.3.
+static inline uint32_t derive_reader_minor(const uint32_t counts[LS_CHUNK_COUNT],
+                                           uint64_t required_features)
 {
+    if ((required_features & LS_FEATURE_EXACT_MASKS) != 0)
+    {
+        return 3;
+    }
     return counts[LS_CHUNK_SURFACES] > 0 ? 2 : 1;
 }
 

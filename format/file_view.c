@@ -261,12 +261,13 @@ static LsResult check_directory(LsFile* file, const char* name, LsError* error)
                                 name, header->counts[i], i, chunk_infos[i].name, counts[i]);
         }
     }
-    const uint32_t minor = derive_minor(counts), reader_minor = derive_reader_minor(counts);
+    const uint32_t minor = derive_minor(counts, header->required_features);
+    const uint32_t reader_minor = derive_reader_minor(counts, header->required_features);
     if (header->version_minor <= LS_FORMAT_MINOR &&
         (header->version_minor != minor || header->reader_minor != reader_minor))
     {
         return ls_error_set(error, LS_MESSAGE_LSPACE_RULE,
-                            "%s: R2.16: format 0.%u for readers from 0.%u on, the chunks say 0.%u "
+                            "%s: R2.16: format 0.%u for readers from 0.%u on, its parts say 0.%u "
                             "and 0.%u; bake it again",
                             name, header->version_minor, header->reader_minor, minor, reader_minor);
     }

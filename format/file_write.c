@@ -52,9 +52,6 @@ static void make_plan(Plan* plan, const LsFileDesc* desc)
     LS_CHUNK_LIST(LS_CHUNK_ADD)
 #undef LS_CHUNK_ADD
 
-    header->version_minor = derive_minor(plan->counts);
-    header->reader_minor = derive_reader_minor(plan->counts);
-
     uint64_t end = LS_HEADER_BYTES + header->chunk_count * (uint64_t)LS_ENTRY_BYTES;
     for (uint32_t i = 0; i < header->chunk_count; ++i)
     {
@@ -64,8 +61,10 @@ static void make_plan(Plan* plan, const LsFileDesc* desc)
     header->file_bytes = end;
 
     header->required_features =
-        derive_required_features(desc->objects, desc->instances, plan->counts);
+        derive_required_features(desc->objects, desc->instances, desc->voxels, plan->counts);
     header->optional_features = derive_optional_features(plan->counts);
+    header->version_minor = derive_minor(plan->counts, header->required_features);
+    header->reader_minor = derive_reader_minor(plan->counts, header->required_features);
     memcpy(header->lower, desc->lower, sizeof(header->lower));
     memcpy(header->upper, desc->upper, sizeof(header->upper));
     header->transform_bound = desc->transform_bound;

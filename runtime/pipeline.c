@@ -6,17 +6,23 @@
 #include "trace_lists_spv.h"
 #include "trace_spv.h"
 
-// By constant id: the method, one per feature bit in order, the work group's size, whether lanes refill, whether
-// they defer.
+// The method, the features in bit order, then those that have ids of their own.
 enum
 {
     METHOD,
     FIRST_FEATURE,
-    GROUP_SIZE = 7,
-    REFILL,
+    GROUP_SIZE = FIRST_FEATURE + LS_FEATURE_COUNT,
     DEFERS,
+    REFILL,
     CONSTANT_COUNT
 };
+
+static const uint32_t CONSTANT_IDS[CONSTANT_COUNT] = {
+    [GROUP_SIZE] = LS_CONSTANT_GROUP_SIZE,
+    [DEFERS] = LS_CONSTANT_DEFERS,
+    [REFILL] = LS_CONSTANT_REFILL,
+};
+static_assert(GROUP_SIZE <= LS_CONSTANT_GROUP_SIZE, "features run into the next constant");
 
 // A kernel's SPIR-V and what it is specialized to.
 typedef struct KernelDesc
@@ -65,8 +71,11 @@ static LsResult create_pipeline(const LsContext* context, const KernelDesc* desc
     VkSpecializationMapEntry entries[CONSTANT_COUNT];
     for (uint32_t i = 0; i < CONSTANT_COUNT; i++)
     {
-        entries[i] =
-            (VkSpecializationMapEntry){i, i * (uint32_t)sizeof(uint32_t), sizeof(uint32_t)};
+        entries[i] = (VkSpecializationMapEntry){
+            .constantID = i < GROUP_SIZE ? i : CONSTANT_IDS[i],
+            .offset = i * (uint32_t)sizeof(uint32_t),
+            .size = sizeof(uint32_t),
+        };
     }
     VkSpecializationInfo specialization = {
         .mapEntryCount = CONSTANT_COUNT,

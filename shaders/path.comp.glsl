@@ -15,8 +15,8 @@ LsDeviceScene device_scene;
 #include "path_layout.h"
 #include "sampling.glsl"
 
-layout(local_size_x_id = 7) in;
-layout(constant_id = 8) const uint LS_HAS_LIGHTS = 1;
+layout(local_size_x_id = LS_CONSTANT_GROUP_SIZE) in;
+layout(constant_id = LS_CONSTANT_HAS_LIGHTS) const uint LS_HAS_LIGHTS = 1;
 
 layout(push_constant) uniform LsPush
 {

@@ -18,10 +18,11 @@ layout(constant_id = 3) const uint LS_HAS_GRIDS = 1;
 layout(constant_id = 4) const uint LS_HAS_SUBGRIDS = 1;
 layout(constant_id = 5) const uint LS_HAS_LEAF_BVHS = 1;
 layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
+layout(constant_id = 7) const uint LS_HAS_EXACT_MASKS = 1;
 
 // Lanes first do the quick part of all tests that wait, then the rest of those that are left, together. CPUs, where
 // loading a triangle twice costs more than waiting, do not.
-layout(constant_id = 9) const uint LS_DEFERS = 1;
+layout(constant_id = LS_CONSTANT_DEFERS) const uint LS_DEFERS = 1;
 
 // Where an object's part of an array begins. A file without a top level has one object, whose parts
 // begin at 0.

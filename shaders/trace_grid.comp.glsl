@@ -17,8 +17,8 @@
 
 #include "ls_layout.h"
 
-layout(local_size_x_id = 7) in;
-layout(constant_id = 8) const uint LS_REFILL = 1;
+layout(local_size_x_id = LS_CONSTANT_GROUP_SIZE) in;
+layout(constant_id = LS_CONSTANT_REFILL) const uint LS_REFILL = 1;
 
 layout(push_constant, std430) uniform Push
 {

@@ -12,7 +12,7 @@
 
 #include "ls_layout.h"
 
-layout(local_size_x_id = 7) in;
+layout(local_size_x_id = LS_CONSTANT_GROUP_SIZE) in;
 
 layout(push_constant, std430) uniform Push
 {

@@ -148,9 +148,17 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
     uint patch_b = forward ? patch_out : patch_in;
     uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
     uint shaft = (pair * patches * patches + patch_a) * patches * patches + patch_b;
-    uint bit = shaft << width_log2;
-    return LsWordArray(ls_scene.shafts).at[first_shaft_word + voxel.table + (bit >> 5)] >>
-           (bit & 31u);
+    bool exact = LS_HAS_EXACT_MASKS != 0u && width_log2 == 0u;
+    uint width = exact ? voxel.reference_count : 1u << width_log2;
+    uint bit = shaft * width;
+    uint at = first_shaft_word + voxel.table + (bit >> 5);
+    uint shift = bit & 31u;
+    uint mask = LsWordArray(ls_scene.shafts).at[at] >> shift;
+    if (exact && shift + width > 32u)
+    {
+        mask |= LsWordArray(ls_scene.shafts).at[at + 1u] << (32u - shift);
+    }
+    return mask;
 }
 
 // Goes on in a voxel's BVH to the next leaf that the ray meets, and asks for its triangles. False if there is

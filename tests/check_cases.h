@@ -79,11 +79,12 @@ static const Case cases[] = {
     {"R2.2", MAJOR, {HEAD(version_major, 4, 0x01000000)}},
     {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x01000000)}},
     {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x02000000)}},
-    {"R2.3", READER, {HEAD(reader_minor, 4, 3)}},
+    {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x03000000)}},
+    {"R2.3", READER, {HEAD(reader_minor, 4, 4)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, 0)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, 4097)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, UINT32_MAX)}},
-    {"R2.5", FEATURE, {HEAD(required_features, 8, 127)}},
+    {"R2.5", FEATURE, {HEAD(required_features, 8, 255)}},
     {"R2.5", FEATURE, {HEAD(required_features, 8, 1ull << 63 | 63)}},
     {"R2.6", CUT, {HEAD(file_bytes, 8, 1 << 20)}},
     {"R2.6", RULE, {HEAD(file_bytes, 8, 5000)}},
@@ -106,6 +107,9 @@ static const Case cases[] = {
     {"R2.14", RULE, {HEAD(required_features, 8, 62)}},
     {"R2.14", RULE, {HEAD(required_features, 8, 61)}},
     {"R2.14", RULE, {HEAD(required_features, 8, 31)}},
+    {"R2.14",
+     RULE,
+     {HEAD(required_features, 8, 127), HEAD(version_minor, 4, 3), HEAD(reader_minor, 4, 3)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 126)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 125)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 123)}},
@@ -117,6 +121,9 @@ static const Case cases[] = {
     {"R2.16", RULE, {HEAD(version_minor, 4, 1)}},
     {"R2.16", RULE, {HEAD(reader_minor, 4, 0)}},
     {"R2.16", RULE, {HEAD(reader_minor, 4, 1)}},
+    {"R2.16", RULE, {HEAD(version_minor, 4, 3)}},
+    {"R2.16", RULE, {HEAD(reader_minor, 4, 3)}},
+    {"R2.16", RULE, {HEAD(required_features, 8, 127)}},
 
     {"R3.1", RULE, {DIRECTORY(1, type, 4, 0x544A424F)}}, // OBJT twice
     {"R3.1",
@@ -506,6 +513,29 @@ static const Case cases[] = {
     {"R6.6", RULE, {WORD(LEAF_NODES, 3, LsBvhNode, leaf, 15 << 4 | 14)}},
     {"R6.6", RULE, {WORD(LEAF_NODES, 4, LsBvhNode, leaf, 30 << 4 | 6)}},
     {"R6.6", RULE, {WORD(LEAF_NODES, 4, LsBvhNode, leaf, 30 << 4 | 4)}},
+};
+
+// The same for the fixture with masks of exact width.
+static const Case exact_cases[] = {
+    {"R2.14",
+     RULE,
+     {HEAD(required_features, 8, 63), HEAD(version_minor, 4, 2), HEAD(reader_minor, 4, 2)}},
+    {"R2.14", RULE, {WORD(VOXELS, 1, LsVoxel, shape, 0x00020101)}},
+    {"R2.16", RULE, {HEAD(version_minor, 4, 2)}},
+    {"R2.16", RULE, {HEAD(reader_minor, 4, 2)}},
+    {"R2.16", RULE, {HEAD(required_features, 8, 63)}},
+    {"R6.1", RULE, {WORD(VOXELS, 1, LsVoxel, shape, 0x01000101)}},
+    {"R6.4", RULE, {WORD(VOXELS, 1, LsVoxel, shape, 0x00000001)}},
+    {"R6.4", RULE, {WORD(VOXELS, 1, LsVoxel, shape, 0x00001101)}},
+    {"R6.4", RULE, {WORD(VOXELS, 4, LsVoxel, shape, 0x00030201)}}, // 8 bits
+    {"R6.4", RULE, {WORD(VOXELS, 9, LsVoxel, shape, 0x00050101)}}, // as wide as exact
+    {"R6.4", RULE, {WORD(VOXELS, 1, LsVoxel, reference_count, 0)}},
+    {"R6.4", RULE, {WORD(VOXELS, 9, LsVoxel, reference_count, 33), INDEX(REFERENCES, 94, 39)}},
+    {"R6.4", RULE, {WORD(VOXELS, 4, LsVoxel, table, 1)}},
+    {"R6.4", RULE, {WORD(VOXELS, 1, LsVoxel, shape, 0x00001001)}},  // more words than there are
+    {"R6.4", RULE, {WORD(VOXELS, 10, LsVoxel, shape, 0x00000201)}}, // words are left over
+    {"R6.4", RULE, {INDEX(SHAFTS, 1, 0x00002000)}},   // behind the 15th mask of 3 bits
+    {"R6.4", RULE, {INDEX(SHAFTS, 219, 0x80000000)}}, // behind the last of 4 bits
 };
 
 #endif

@@ -8,3 +8,6 @@ ls_add_test(NAME test_exact SOURCES test_exact.c
 ls_add_test(NAME test_hard SOURCES test_hard.c hard_meshes.c
     LIBRARIES ls_test_gpu ls_test_scenes)
 set_tests_properties(test_hard PROPERTIES LABELS gpu)
+
+# The layouts of masks against each other.
+ls_add_test(NAME test_masks SOURCES test_masks.c LIBRARIES ls_test_gpu ls_test_scenes ls_file_fixture)

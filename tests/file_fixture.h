@@ -1,6 +1,6 @@
 // file_fixture.h - a small made-up scene that uses every chunk, every kind of voxel and every width
-// of mask, for tests of the format. Its arrays obey every rule; its masks and distances describe no
-// geometry.
+// of mask that is a power of two, for tests of the format; ls_mask_layout gives it masks of exact width.
+// Its arrays obey every rule; its masks and distances describe no geometry.
 
 #ifndef LS_FILE_FIXTURE_H
 #define LS_FILE_FIXTURE_H
@@ -15,6 +15,7 @@
 // clang-format on
 
 #include "ls_write.h"
+#include "mask_layout.h"
 
 #define LS_FIXTURE_TRIANGLES 43 // 2 in a list, 40 in a grid, 1 in a grid
 #define LS_FIXTURE_VOXELS 13

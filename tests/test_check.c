@@ -67,29 +67,48 @@ static void test_fixture_is_legal(void** state)
     ls_fixture_free(&bytes);
 }
 
+// How many of the edits to a legal file are not refused by their rule.
+static uint32_t count_failures(const LsFileDesc* desc, const Case* first, size_t count,
+                               const char* what)
+{
+    LsFixtureBytes legal = ls_fixture_bytes(desc);
+    LsFixtureBytes broken = {aligned_alloc(4096, (legal.size + 4095) / 4096 * 4096), legal.size};
+    uint32_t failures = 0;
+    for (size_t i = 0; i < count; ++i)
+    {
+        memcpy(broken.bytes, legal.bytes, legal.size);
+        for (int k = 0; k < 3 && first[i].edits[k].size > 0; ++k)
+        {
+            apply_edit(&broken, &first[i].edits[k]);
+        }
+        ls_fixture_rehash(&broken);
+        char name[32];
+        snprintf(name, sizeof(name), "%s %zu", what, i);
+        failures += !is_refused(&broken, first[i].message, first[i].rule, name);
+    }
+    ls_fixture_free(&broken);
+    ls_fixture_free(&legal);
+    return failures;
+}
+
 static void test_edits_break_their_rule(void** state)
 {
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsFixtureBytes legal = ls_fixture_bytes(&fixture.desc);
-    LsFixtureBytes broken = {aligned_alloc(4096, (legal.size + 4095) / 4096 * 4096), legal.size};
-    uint32_t failures = 0;
-    for (size_t i = 0; i < sizeof(cases) / sizeof(cases[0]); ++i)
-    {
-        memcpy(broken.bytes, legal.bytes, legal.size);
-        for (int k = 0; k < 3 && cases[i].edits[k].size > 0; ++k)
-        {
-            apply_edit(&broken, &cases[i].edits[k]);
-        }
-        ls_fixture_rehash(&broken);
-        char what[32];
-        snprintf(what, sizeof(what), "case %zu", i);
-        failures += !is_refused(&broken, cases[i].message, cases[i].rule, what);
-    }
-    assert_int_equal(failures, 0);
-    ls_fixture_free(&broken);
-    ls_fixture_free(&legal);
+    const size_t count = sizeof(cases) / sizeof(cases[0]);
+    assert_int_equal(count_failures(&fixture.desc, cases, count, "case"), 0);
+}
+
+static void test_edits_of_exact_masks(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    const size_t count = sizeof(exact_cases) / sizeof(exact_cases[0]);
+    assert_int_equal(count_failures(&exact.desc, exact_cases, count, "exact case"), 0);
+    ls_mask_layout_destroy(&exact);
 }
 
 // R2.13 and R3.8: the same edit, the hash left as it was.
@@ -440,6 +459,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fixture_is_legal),
         cmocka_unit_test(test_edits_break_their_rule),
+        cmocka_unit_test(test_edits_of_exact_masks),
         cmocka_unit_test(test_hashes_are_compared),
         cmocka_unit_test(test_missing_chunks),
         cmocka_unit_test(test_image_sides),

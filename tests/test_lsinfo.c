@@ -99,7 +99,7 @@ static void test_help_and_version(void** state)
     assert_non_null(strstr(run.out, "--json"));
     run = run_lsinfo(NULL, "--version", NULL, NULL);
     assert_int_equal(run.code, 0);
-    assert_string_equal(run.out, "lsinfo 0.1, format 0.2\n");
+    assert_string_equal(run.out, "lsinfo 0.1, format 0.3\n");
 }
 
 static void test_usage_errors(void** state)
@@ -185,6 +185,29 @@ static void test_text(void** state)
             fail_msg("\"%s\" is missing in\n%s", parts[i], run.out);
         }
     }
+}
+
+// The masks say the same in any width.
+static void test_exact_masks(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    char path[LS_SCRATCH_PATH + 32];
+    snprintf(path, sizeof(path), "%s/exact.lspace", directory);
+    assert_int_equal(ls_file_write(&exact.desc, path, NULL), LS_OK);
+    ls_mask_layout_destroy(&exact);
+    Run run = run_lsinfo(NULL, path, NULL, NULL);
+    assert_int_equal(run.code, 0);
+    assert_non_null(strstr(run.out, ".lspace 0.3, for readers from 0.3 on, "));
+    assert_non_null(strstr(run.out, "grids sub-grids leaf-bvhs masks exact-masks\n"));
+    Run padded = run_lsinfo(NULL, scene_path, NULL, NULL);
+    const char* shafts = strstr(run.out, "shafts  ");
+    const char* expected = strstr(padded.out, "shafts  ");
+    assert_non_null(shafts);
+    assert_non_null(expected);
+    assert_memory_equal(shafts, expected, (size_t)(strchr(expected, '\n') - expected));
 }
 
 static double find_number(const cJSON* object, const char* key)
@@ -332,6 +355,7 @@ int main(int argument_count, char** arguments)
         cmocka_unit_test(test_input_errors),
         cmocka_unit_test(test_check),
         cmocka_unit_test(test_text),
+        cmocka_unit_test(test_exact_masks),
         cmocka_unit_test(test_json),
         cmocka_unit_test(test_what_is_left_out),
     };

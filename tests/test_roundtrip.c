@@ -459,12 +459,15 @@ static void test_golden_files(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
+    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    expect_golden(GOLDEN "3.lspace", &exact.desc, 3);
+    ls_mask_layout_destroy(&exact);
     expect_golden(GOLDEN "2.lspace", &fixture.desc, 2);
     strip_fixture(&fixture);
     expect_golden(GOLDEN "1.lspace", &fixture.desc, 1);
 }
 
-// What readers of 0.1 can skip does not keep them out.
+// What readers of 0.1 can skip does not keep them out; masks of exact width do.
 static void test_versions(void** state)
 {
     (void)state;
@@ -489,6 +492,12 @@ static void test_versions(void** state)
         ls_fixture_free(&bytes);
         expect_legal_trip(&descs[i]);
     }
+    LsMaskLayout exact = ls_mask_layout(&plain, true);
+    LsFixtureBytes bytes = ls_fixture_bytes(&exact.desc);
+    expect_version(&bytes, 3, 3);
+    ls_fixture_free(&bytes);
+    expect_legal_trip(&exact.desc);
+    ls_mask_layout_destroy(&exact);
 }
 
 // ---- Baked files --------------------------------------------------------------------------------

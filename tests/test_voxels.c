@@ -485,7 +485,8 @@ static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples,
         }
         const LsVoxelPlace* place = &view->places[index];
         uint32_t patches = voxel->shape >> 8 & 255u;
-        uint32_t width = 1u << (voxel->shape >> 16 & 255u);
+        assert_int_equal(voxel->shape >> 16, 0); // exact width
+        uint32_t width = voxel->reference_count;
         const uint32_t* table = view->file->shafts + object->first_shaft_word + voxel->table;
         const uint32_t* references =
             view->file->references + object->first_reference + voxel->first_reference;

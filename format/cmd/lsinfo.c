@@ -51,6 +51,7 @@ static const FeatureName required_names[] = {
     {LS_FEATURE_SUBGRIDS, "sub-grids"},
     {LS_FEATURE_LEAF_BVHS, "leaf-bvhs"},
     {LS_FEATURE_MASKS, "masks"},
+    {LS_FEATURE_EXACT_MASKS, "exact-masks"},
     {0, NULL},
 };
 

@@ -2,19 +2,12 @@
 
 #include "lsinfo_summary.h"
 
-// Masks of `words` that have a bit set; `bits` is what all of them take.
-static uint64_t count_filled(const uint32_t* words, uint64_t bits, uint32_t width)
+static uint64_t count_filled(const uint32_t* table, uint64_t shafts, uint32_t width)
 {
-    const uint32_t lowest = (uint32_t)(UINT32_MAX / ((1ull << width) - 1)); // bit 0 of each mask
     uint64_t filled = 0;
-    for (uint64_t i = 0; i * 32 < bits; ++i)
+    for (uint64_t i = 0; i < shafts; ++i)
     {
-        uint32_t folded = words[i];
-        for (uint32_t shift = 1; shift < width; shift *= 2)
-        {
-            folded |= folded >> shift;
-        }
-        filled += (uint64_t)__builtin_popcount(folded & lowest);
+        filled += ls_mask_read(table, i, width) != 0;
     }
     return filled;
 }
@@ -30,11 +23,10 @@ static void add_voxels(LsSummary* summary, const LsFile* file, const LsObject* o
             continue;
         }
         const uint32_t patches = voxel->shape >> 8 & 255;
-        const uint32_t width = 1u << (voxel->shape >> 16 & 255);
         const uint64_t shafts = 15ull * patches * patches * patches * patches;
         const uint32_t* table = file->shafts + object->first_shaft_word + voxel->table;
         summary->shaft_count += shafts;
-        summary->filled_shaft_count += count_filled(table, shafts * width, width);
+        summary->filled_shaft_count += count_filled(table, shafts, ls_mask_width(voxel));
         if (summary->patches_least == 0 || patches < summary->patches_least)
         {
             summary->patches_least = patches;

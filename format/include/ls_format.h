@@ -24,7 +24,7 @@ extern "C"
 #endif
 
 #define LS_FORMAT_MAJOR 0
-#define LS_FORMAT_MINOR 2
+#define LS_FORMAT_MINOR 3
 
 #define LS_MAGIC_BYTES 16
 #define LS_HEADER_BYTES 256
@@ -78,13 +78,15 @@ extern "C"
 
 // Required features: a reader that does not know a set bit refuses the file. A bit is set if and
 // only if the file uses the feature, so the runtime compiles only what a scene needs.
-#define LS_FEATURE_TOP_LEVEL 1ull  // several objects or instances, or one not the identity
-#define LS_FEATURE_LISTS 2ull      // objects without a grid
-#define LS_FEATURE_GRIDS 4ull      // objects with a grid
-#define LS_FEATURE_SUBGRIDS 8ull   // subdivided voxels
-#define LS_FEATURE_LEAF_BVHS 16ull // voxels that are BVH leaves
-#define LS_FEATURE_MASKS 32ull     // shaft tables of masks
-#define LS_FEATURE_ALL 63ull
+#define LS_FEATURE_TOP_LEVEL 1ull    // several objects or instances, or one not the identity
+#define LS_FEATURE_LISTS 2ull        // objects without a grid
+#define LS_FEATURE_GRIDS 4ull        // objects with a grid
+#define LS_FEATURE_SUBGRIDS 8ull     // subdivided voxels
+#define LS_FEATURE_LEAF_BVHS 16ull   // voxels that are BVH leaves
+#define LS_FEATURE_MASKS 32ull       // shaft tables of masks
+#define LS_FEATURE_EXACT_MASKS 64ull // all masks take as many bits as their voxel has triangles
+#define LS_FEATURE_COUNT 7
+#define LS_FEATURE_ALL ((1ull << LS_FEATURE_COUNT) - 1)
 
 // Optional features: what is here beyond the geometry. Unknown bits are ignored.
 #define LS_FEATURE_LIGHTS 1ull
@@ -196,6 +198,29 @@ extern "C"
         }
         const LsEntry* entry = file->chunk_entries[chunk];
         return entry != NULL ? (uint32_t)entry->element_count : 0;
+    }
+
+    // Bits of a mask of a voxel of kind MASKS, 1..32.
+    static inline uint32_t ls_mask_width(const LsVoxel* voxel)
+    {
+        const uint32_t log2_width = voxel->shape >> 16 & 255;
+        return log2_width == 0 ? voxel->reference_count : 1u << log2_width;
+    }
+
+    // Words of a table of `shaft_count` masks of `width` bits.
+    static inline uint64_t ls_mask_words(uint64_t shaft_count, uint32_t width)
+    {
+        return (shaft_count * width + 31) / 32;
+    }
+
+    // The mask of a shaft, of a voxel's table of masks of `width` bits.
+    static inline uint32_t ls_mask_read(const uint32_t* table, uint64_t shaft, uint32_t width)
+    {
+        const uint64_t bit = shaft * width;
+        const uint32_t* word = table + bit / 32;
+        const uint32_t shift = (uint32_t)(bit % 32);
+        const uint64_t next = shift + width > 32 ? word[1] : 0;
+        return (uint32_t)((next << 32 | *word) >> shift) & UINT32_MAX >> (32 - width);
     }
 
     // Checks the contents of every chunk in one linear pass (SPEC chapters 4 to 6), after which

@@ -81,7 +81,8 @@ LS_STRUCT(LsVoxel)
 {
     uint32_t first_reference;
     uint32_t reference_count; // >= 1, or 0 for LS_VOXEL_SUBGRID
-    uint32_t shape; // bits 0..7 kind; for masks 8..15 patches N, 16..23 log2 of bits per shaft
+    uint32_t shape; // bits 0..7 kind; for masks 8..15 patches N, 16..23 width of a mask: log2 of
+                    // its bits, or 0: reference_count bits
     uint32_t table; // masks: first word; sub-grid: cell block; BVH: first leaf node; list: 0
 };
 LS_SIZE(LsVoxel, 16);
@@ -499,6 +500,13 @@ LS_SIZE(LsGridParams, 128);
 // Exact, but instead of a hit what it took: `instance` holds the cells and empty cubes walked, `object` the shafts
 // looked up, `primitive` the triangles tested, `material` 0, t, u, v 0.
 #define LS_METHOD_COUNT 3u
+
+// Specialization constants of the kernels: 0 the method, from 1 on the required features in bit order,
+// and behind the room for more of them:
+#define LS_CONSTANT_GROUP_SIZE 32
+#define LS_CONSTANT_DEFERS 33     // LS_DEFERS
+#define LS_CONSTANT_REFILL 34     // of the second of two passes
+#define LS_CONSTANT_HAS_LIGHTS 35 // of the path tracer
 
 // Triangles that brute force tests in a round of its loop.
 #define LS_BRUTE_ROUND 8u

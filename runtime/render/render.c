@@ -130,22 +130,32 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
         return ls_app_vk_result(code, "vkCreateShaderModule", error);
     }
 
-    // Constants 0 to 6 and 9 are those of scene.glsl, 7 the work group, 8 of the path tracer.
-    uint32_t values[10] = {LS_METHOD_EXACT};
-    for (uint32_t i = 0; i < 6; i++)
+    // Those of scene.glsl, the work group's size, and that of the path tracer.
+    enum
+    {
+        GROUP = 1 + LS_FEATURE_COUNT,
+        DEFERS,
+        LIGHTS,
+        CONSTANTS
+    };
+    uint32_t values[CONSTANTS] = {LS_METHOD_EXACT};
+    for (uint32_t i = 0; i < LS_FEATURE_COUNT; i++)
     {
         values[1 + i] = (features >> i) & 1;
     }
-    values[7] = GROUP_SIZE;
-    values[8] = has_lights;
-    values[9] = !render->device->is_cpu;
-    VkSpecializationMapEntry entries[10];
-    for (uint32_t i = 0; i < 10; i++)
+    values[GROUP] = GROUP_SIZE;
+    values[DEFERS] = !render->device->is_cpu;
+    values[LIGHTS] = has_lights;
+    VkSpecializationMapEntry entries[CONSTANTS];
+    for (uint32_t i = 0; i < CONSTANTS; i++)
     {
         entries[i] = (VkSpecializationMapEntry){.constantID = i, .offset = 4 * i, .size = 4};
     }
+    entries[GROUP].constantID = LS_CONSTANT_GROUP_SIZE;
+    entries[DEFERS].constantID = LS_CONSTANT_DEFERS;
+    entries[LIGHTS].constantID = LS_CONSTANT_HAS_LIGHTS;
     VkSpecializationInfo specialization = {
-        .mapEntryCount = 10,
+        .mapEntryCount = CONSTANTS,
         .pMapEntries = entries,
         .dataSize = sizeof values,
         .pData = values,
