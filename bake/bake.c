@@ -172,10 +172,17 @@ static void note_import(void* user, double fraction)
     note_progress(user, fraction);
 }
 
+// What the bake is made of, none of which it may replace.
 static LsResult hash_source(Bake* bake, LsError* error)
 {
-    const LsResult result = ls_source_files_list(&bake->files, bake->desc, error);
-    return result == LS_OK ? ls_source_hash(&bake->files, bake->desc, bake->patches, bake->threads,
+    const LsBakeDesc* desc = bake->desc;
+    LsResult result = ls_source_files_list(&bake->files, desc, error);
+    result = result == LS_OK ? ls_source_files_spare(&bake->files, desc->output, error) : result;
+    if (result == LS_OK && desc->depfile != NULL)
+    {
+        result = ls_source_files_spare(&bake->files, desc->depfile, error);
+    }
+    return result == LS_OK ? ls_source_hash(&bake->files, desc, bake->patches, bake->threads,
                                             bake->source_hash, error)
                            : result;
 }

@@ -3,6 +3,7 @@
 #include "source_files.h"
 
 #include "import/input_files.h"
+#include "ls_format.h"
 #include "ls_messages.h"
 #include "material_file.h"
 
@@ -71,6 +72,16 @@ LsResult ls_source_files_check(const LsSourceFiles* files, LsError* error)
                                 "%s: changed while it was read; try again when nobody writes it",
                                 old->path);
     }
+    return LS_OK;
+}
+
+LsResult ls_source_files_spare(const LsSourceFiles* files, const char* path, LsError* error)
+{
+    for (uint32_t i = 0; i < files->count; i++)
+        if (ls_path_is_same(files->list[i].path, path))
+            return ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
+                                "%s: the output would replace the input %s; choose another name",
+                                path, files->list[i].path);
     return LS_OK;
 }
 

@@ -29,6 +29,9 @@ LsResult ls_source_files_list(LsSourceFiles* files, const LsBakeDesc* desc, LsEr
 // need not be what has been hashed. Errors: FILE_CHANGED.
 LsResult ls_source_files_check(const LsSourceFiles* files, LsError* error);
 
+// Whether a file may be written at `path`: not over one of these. Errors: USAGE_OUTPUT_IS_INPUT.
+LsResult ls_source_files_spare(const LsSourceFiles* files, const char* path, LsError* error);
+
 void ls_source_files_destroy(LsSourceFiles* files);
 
 #endif

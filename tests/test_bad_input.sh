@@ -345,6 +345,13 @@ check_bake()
     done
     cp key.json out
     check 1007 out/key.json lsbake good.ply --material out/key.json -o out/key.json
+    # Files that a scene names are inputs too.
+    printf 'mtllib red.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' > out/named.obj
+    printf 'newmtl red\nmap_Kd red.ppm\n' > out/red.mtl
+    printf 'P6 1 1 255 abc' > out/red.ppm
+    check 1007 out/red.mtl lsbake out/named.obj -o out/red.mtl
+    check 1007 out/red.ppm lsbake out/named.obj --force -o out/red.ppm
+    check 1007 out/red.ppm lsbake out/named.obj -o out/new.lspace --depfile out/red.ppm
     # Depfiles are outputs too.
     check 1007 out/link.ply lsbake out/scene.ply -o out/new.lspace --depfile out/link.ply
     check 1007 out/new.lspace lsbake good.ply -o out/new.lspace --depfile out/new.lspace

@@ -15,47 +15,19 @@
 #include <string.h>
 #include <unistd.h>
 
-static LsResult check_path(const char* input, const char* output, LsError* error)
+// Before hours of work; that no input is replaced the bake itself sees to.
+static LsResult check_outputs(const LsBakeDesc* desc, LsError* error)
 {
-    if (!ls_path_is_same(input, output))
+    const char* depfile = desc->depfile;
+    if (depfile != NULL &&
+        (ls_path_is_same(depfile, desc->output) || strcmp(depfile, desc->output) == 0))
     {
-        return LS_OK;
+        return ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
+                            "%s: the depfile would replace the output; choose another name",
+                            depfile);
     }
-    return ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
-                        "%s: the output would replace the input %s; choose another name", output,
-                        input);
-}
-
-static LsResult check_output(const LsBakeDesc* desc, const char* output, LsError* error)
-{
-    LsResult result = LS_OK;
-    for (uint32_t i = 0; i < desc->input_count && result == LS_OK; i++)
-    {
-        const LsBakeInput* input = &desc->inputs[i];
-        result = check_path(input->path, output, error);
-        if (result == LS_OK && input->materials != NULL) // JSON is no file's name
-        {
-            result = check_path(input->materials, output, error);
-        }
-    }
-    return result == LS_OK ? ls_output_check(output, error) : result;
-}
-
-static LsResult check_paths(const LsBakeDesc* desc, LsError* error)
-{
-    LsResult result = check_output(desc, desc->output, error);
-    if (result == LS_OK && desc->depfile != NULL)
-    {
-        result = check_output(desc, desc->depfile, error);
-        if (result == LS_OK && (ls_path_is_same(desc->depfile, desc->output) ||
-                                strcmp(desc->depfile, desc->output) == 0))
-        {
-            result = ls_error_set(error, LS_MESSAGE_USAGE_OUTPUT_IS_INPUT,
-                                  "%s: the depfile would replace the output; choose another name",
-                                  desc->depfile);
-        }
-    }
-    return result;
+    const LsResult result = ls_output_check(desc->output, error);
+    return result == LS_OK && depfile != NULL ? ls_output_check(depfile, error) : result;
 }
 
 static int fail(const LsError* error, const LsBakeDesc* desc)
@@ -82,7 +54,7 @@ static LsResult bake(const BakeArguments* arguments, LsError* error)
         desc.progress = ls_bar_draw;
         desc.progress_user = &bar;
     }
-    LsResult result = check_paths(&desc, error);
+    LsResult result = check_outputs(&desc, error);
     if (result == LS_OK)
     {
         if (desc.max_memory > 0)

@@ -68,7 +68,7 @@ extern "C"
     {
         const LsBakeInput* inputs; // put together, their objects numbered in order
         uint32_t input_count;
-        const char* output; // .lspace file
+        const char* output; // .lspace file; neither it nor the depfile may be a file that is read
         // Beside it a rule of make that names all files that were read, for build systems, written when the
         // bake has succeeded or the output is up to date; NULL: none.
         const char* depfile;
