@@ -8,12 +8,14 @@
 #include "mesh.h"
 #include "mesh_report.h"
 #include "pack.h"
+#include "shaft_cost.h"
 #include "source_files.h"
 #include "source_hash.h"
 #include "tables.h"
 #include "voxels.h"
 #include "world.h"
 
+#include <float.h>
 #include <math.h>
 #include <omp.h>
 #include <stdio.h>
@@ -23,6 +25,8 @@
 #include <time.h>
 
 #define DEFAULT_PATCHES 3
+#define DEFAULT_MOST_PATCHES 5
+#define DEFAULT_BYTE_PRICE 0.001
 
 const char* ls_bake_stage_text(LsBakeStage stage)
 {
@@ -46,7 +50,7 @@ typedef struct Bake
     LsWorld world;
     LsPack pack;
     uint8_t source_hash[16];
-    uint32_t patches;
+    LsPatchesChoice choice;
     uint32_t threads;
     LsBakeStage stage; // the one that runs
     double stage_begin;
@@ -136,10 +140,16 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "grid %u is outside 1..%u", desc->grid,
                             LS_MAX_CELLS);
     }
-    if (desc->patches > LS_MAX_PATCHES)
+    const uint32_t most = desc->choose_patches ? LS_MAX_CHOSEN_PATCHES : LS_MAX_PATCHES;
+    if (desc->patches > most)
     {
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "patches %u is outside 1..%u",
-                            desc->patches, LS_MAX_PATCHES);
+                            desc->patches, most);
+    }
+    if (!(desc->byte_price >= 0.0 && desc->byte_price <= DBL_MAX))
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "byte_price %g is not a price",
+                            desc->byte_price);
     }
     if ((unsigned)desc->normals > LS_NORMALS_SMOOTH)
     {
@@ -182,7 +192,7 @@ static LsResult hash_source(Bake* bake, LsError* error)
     {
         result = ls_source_files_spare(&bake->files, desc->depfile, error);
     }
-    return result == LS_OK ? ls_source_hash(&bake->files, desc, bake->patches, bake->threads,
+    return result == LS_OK ? ls_source_hash(&bake->files, desc, &bake->choice, bake->threads,
                                             bake->source_hash, error)
                            : result;
 }
@@ -310,9 +320,19 @@ static void count_voxels(Bake* bake, const LsVoxels* voxels)
     report->subgrid_count += voxels->subgrid_count;
     report->reference_count += voxels->reference_count;
     report->depth = voxels->depth > report->depth ? voxels->depth : report->depth;
+}
+
+// Once their tables are made.
+static void count_kinds(LsBakeReport* report, const LsVoxels* voxels)
+{
     for (uint32_t i = 0; i < voxels->voxel_count; i++)
     {
-        report->voxel_kind_count[voxels->voxels[i].kind]++;
+        const LsWorkVoxel* voxel = &voxels->voxels[i];
+        report->voxel_kind_count[voxel->kind]++;
+        if (voxel->kind == LS_VOXEL_MASKS)
+        {
+            report->patches_count[voxel->patches]++;
+        }
     }
 }
 
@@ -349,12 +369,13 @@ static LsResult make_voxels(Bake* bake, LsError* error)
 
 static LsResult make_tables(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, bake->patches);
+    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, &bake->choice);
     const LsResult allowed = check_memory(bake, needed, "the table of shafts", error);
     if (allowed != LS_OK)
     {
         return allowed;
     }
+    double visits = 0.0, tests = 0.0;
     for (uint32_t i = 0; i < bake->input.mesh_count; i++)
     {
         const LsStageProgress progress = begin_part(bake, i);
@@ -364,14 +385,18 @@ static LsResult make_tables(Bake* bake, LsError* error)
             continue;
         }
         LsResult result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i],
-                                           bake->patches, bake->threads, &progress, error);
+                                           &bake->choice, bake->threads, &progress, error);
         if (result != LS_OK)
         {
             return result;
         }
         bake->report.shaft_count += object->tables.shaft_count;
         bake->report.filled_shaft_count += object->tables.filled_count;
+        count_kinds(&bake->report, &object->voxels);
+        visits += object->tables.visits;
+        tests += object->tables.tests;
     }
+    bake->report.tests_per_voxel = visits > 0.0 ? tests / visits : 0.0;
     return LS_OK;
 }
 
@@ -399,7 +424,7 @@ static LsResult pack_all(Bake* bake, LsError* error)
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,
-                                &bake->world, bake->patches, error);
+                                &bake->world, bake->choice.patches, error);
     }
     if (result == LS_OK)
     {
@@ -468,6 +493,15 @@ static LsResult run_stages(Bake* bake, LsError* error)
     return result;
 }
 
+static LsPatchesChoice make_choice(const LsBakeDesc* desc)
+{
+    const uint32_t patches = desc->choose_patches ? DEFAULT_MOST_PATCHES : DEFAULT_PATCHES;
+    const double price = desc->byte_price > 0.0 ? desc->byte_price : DEFAULT_BYTE_PRICE;
+    return (LsPatchesChoice){.patches = desc->patches != 0 ? desc->patches : patches,
+                             .chosen = desc->choose_patches,
+                             .byte_price = desc->choose_patches ? price : 0.0};
+}
+
 static LsResult run(Bake* bake, LsError* error)
 {
     LsResult result = hash_source(bake, error);
@@ -501,7 +535,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
         return result;
     }
     Bake bake = {.desc = desc,
-                 .patches = desc->patches != 0 ? desc->patches : DEFAULT_PATCHES,
+                 .choice = make_choice(desc),
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();

@@ -21,7 +21,8 @@ typedef struct LsWorkVoxel
 {
     uint32_t cell[3]; // counts cells of its level
     uint32_t level;
-    uint32_t kind; // LS_VOXEL_*; MASKS is chosen here, by count, the masks are made later
+    uint32_t kind;    // LS_VOXEL_*; MASKS is chosen by count, and may become LIST when N is chosen
+    uint32_t patches; // masks: N, once they are made
     uint32_t first_reference;
     uint32_t reference_count;
     uint32_t table; // sub-grid: its cell block; BVH: first leaf node

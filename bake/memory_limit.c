@@ -50,15 +50,15 @@ uint64_t ls_grid_need(const LsGridFrame* frame)
     return 2 * sizeof(uint32_t) * blocks;
 }
 
-uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, uint32_t patches)
+uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice)
 {
     uint64_t words = 0;
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count && !choice->chosen; i++)
         for (uint32_t k = 0; k < objects[i].voxels.voxel_count; k++)
         {
             const LsWorkVoxel* voxel = &objects[i].voxels.voxels[k];
             if (voxel->kind == LS_VOXEL_MASKS)
-                words += ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count);
+                words += ls_mask_words(LS_SHAFT_COUNT(choice->patches), voxel->reference_count);
         }
     return sizeof(uint32_t) * words;
 }

@@ -20,8 +20,9 @@ uint64_t ls_memory_in_use(void);
 uint64_t ls_mesh_need(const LsInput* input);
 // The dense table of a grid's blocks and the links from it.
 uint64_t ls_grid_need(const LsGridFrame* frame);
-// The masks of all objects.
-uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, uint32_t patches);
+// The masks of all objects; 0 where N is to be chosen, since it is not known yet.
+uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count,
+                        const LsPatchesChoice* choice);
 // The arrays of the file, all made before the objects that are packed into them are freed.
 uint64_t ls_pack_need(const LsBakedObject* objects, const LsMesh* meshes, uint32_t count);
 

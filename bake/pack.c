@@ -63,7 +63,7 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
                              "out of memory for the arrays of the file");
 }
 
-static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t patches)
+static LsVoxel pack_voxel(const LsWorkVoxel* work)
 {
     LsVoxel voxel = {.first_reference = work->first_reference,
                      .reference_count = work->reference_count,
@@ -71,7 +71,7 @@ static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t patches)
                      .table = work->table};
     if (work->kind == LS_VOXEL_MASKS)
     {
-        voxel.shape |= patches << 8; // and masks of exact width
+        voxel.shape |= work->patches << 8; // and masks of exact width
     }
     return voxel;
 }
@@ -114,7 +114,7 @@ static LsObject describe_object(const LsMesh* mesh, const LsBakedObject* baked, 
 }
 
 static void append_object(LsPack* pack, LsObject* next, LsObject object, const LsMesh* mesh,
-                          const LsBakedObject* baked, uint32_t patches)
+                          const LsBakedObject* baked)
 {
     const LsVoxels* voxels = &baked->voxels;
     object.first_triangle = next->first_triangle;
@@ -136,11 +136,11 @@ static void append_object(LsPack* pack, LsObject* next, LsObject object, const L
     COPY(pack->subgrids + object.first_subgrid, voxels->subgrids, object.subgrid_count);
     COPY(pack->references + object.first_reference, voxels->references, object.reference_count);
     COPY(pack->leaf_nodes + object.first_leaf_node, voxels->leaf_nodes, object.leaf_node_count);
-    COPY(pack->shafts + object.first_shaft_word, baked->tables.words, object.shaft_word_count);
 #undef COPY
+    ls_tables_copy(&baked->tables, pack->shafts + object.first_shaft_word);
     for (uint32_t v = 0; v < object.voxel_count; v++)
     {
-        pack->voxels[object.first_voxel + v] = pack_voxel(&voxels->voxels[v], patches);
+        pack->voxels[object.first_voxel + v] = pack_voxel(&voxels->voxels[v]);
     }
 
     next->first_triangle += object.triangle_count;
@@ -176,7 +176,7 @@ LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObj
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
         append_object(pack, &next, describe_object(&meshes[i], &baked[i], patches), &meshes[i],
-                      &baked[i], patches);
+                      &baked[i]);
         ls_mesh_destroy(&meshes[i]);
         ls_voxels_destroy(&baked[i].voxels);
         ls_tables_destroy(&baked[i].tables);

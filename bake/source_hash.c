@@ -17,7 +17,7 @@
 #include <xxhash.h>
 
 // Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 3
+#define BAKE_REVISION 4
 
 #define BLOCK_BYTES (16u << 20)
 #define PIECE_BYTES (256u << 10) // read at once: stays in the cache of a core
@@ -120,15 +120,16 @@ static void add_bytes(XXH3_state_t* state, const void* bytes, uint64_t size)
 
 #define ADD_ARRAY(state, array) add_bytes(state, array, sizeof(array))
 
-static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, uint32_t patches)
+static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, const LsPatchesChoice* choice)
 {
-    const uint32_t numbers[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR,       LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR, BAKE_REVISION,         desc->grid,
-                                patches,          desc->keep_degenerate, desc->normals,
-                                desc->no_weld,    desc->input_count};
-    const double angles[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0};
+    const uint32_t numbers[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR, LS_VERSION_MAJOR,
+                                LS_VERSION_MINOR, BAKE_REVISION,   desc->grid,
+                                choice->patches,  choice->chosen,  desc->keep_degenerate,
+                                desc->normals,    desc->no_weld,   desc->input_count};
+    const double measures[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0,
+                               choice->byte_price};
     ADD_ARRAY(state, numbers);
-    ADD_ARRAY(state, angles);
+    ADD_ARRAY(state, measures);
 }
 
 static void add_input(XXH3_state_t* state, const LsBakeInput* how)
@@ -162,8 +163,9 @@ static const Block* add_file(XXH3_state_t* state, const LsSourceFile* file, cons
     return block + count;
 }
 
-LsResult ls_source_hash(const LsSourceFiles* files, const LsBakeDesc* desc, uint32_t patches,
-                        uint32_t threads, uint8_t hash[16], LsError* error)
+LsResult ls_source_hash(const LsSourceFiles* files, const LsBakeDesc* desc,
+                        const LsPatchesChoice* choice, uint32_t threads, uint8_t hash[16],
+                        LsError* error)
 {
     Block* blocks = hash_files(files, threads);
     if (!blocks)
@@ -171,7 +173,7 @@ LsResult ls_source_hash(const LsSourceFiles* files, const LsBakeDesc* desc, uint
                             "%s: out of memory while hashing its files", desc->inputs[0].path);
     XXH3_state_t state;
     XXH3_128bits_reset(&state);
-    add_options(&state, desc, patches);
+    add_options(&state, desc, choice);
     const Block* block = blocks;
     uint32_t file = 0;
     for (uint32_t i = 0; i < desc->input_count; i++)

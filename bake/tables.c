@@ -1,13 +1,17 @@
-// tables.c - runs the shaft test over all voxels and packs the masks.
+// tables.c - runs the shaft test over all voxels, chooses N where asked to, and packs the masks.
 
 #include "tables.h"
 
 #include "linespace.h"
 #include "ls_format.h"
+#include "shaft_cost.h"
 
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
+
+// What a look-up costs, in triangle tests.
+#define LOOKUP_TESTS 1.0
 
 static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel,
                              const LsTriangle* triangle, double corners[3][3])
@@ -48,91 +52,356 @@ static uint64_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width
     return filled;
 }
 
-static LsResult place_tables(LsTables* tables, LsVoxels* voxels, uint32_t patches, LsError* error)
+// ---- One voxel ----------------------------------------------------------------------------------------
+
+// A thread's own, and what all share.
+typedef struct Worker
+{
+    const LsVoxels* voxels;
+    const LsMesh* mesh;
+    const LsPatchesChoice* choice;
+    const LsShaftWeights* weights; // by N
+    LsShaftScratch* scratch;
+    uint32_t* best; // LS_SHAFT_COUNT(choice->patches) words each
+    uint32_t* current;
+    uint32_t* next;
+    double corners[LS_MASK_TRIANGLES][3][3];
+} Worker;
+
+static bool create_worker(Worker* worker)
+{
+    const size_t bytes = sizeof(uint32_t) * LS_SHAFT_COUNT(worker->choice->patches);
+    worker->scratch = ls_shaft_scratch_create();
+    worker->best = malloc(bytes);
+    worker->current = worker->choice->chosen ? malloc(bytes) : NULL;
+    worker->next = worker->choice->chosen ? malloc(bytes) : NULL;
+    return worker->scratch != NULL && worker->best != NULL &&
+           (!worker->choice->chosen || (worker->current != NULL && worker->next != NULL));
+}
+
+static void destroy_worker(Worker* worker)
+{
+    ls_shaft_scratch_destroy(worker->scratch);
+    free(worker->best);
+    free(worker->current);
+    free(worker->next);
+}
+
+static void swap_masks(uint32_t** a, uint32_t** b)
+{
+    uint32_t* before = *a;
+    *a = *b;
+    *b = before;
+}
+
+static void mark_voxel(Worker* worker, const LsWorkVoxel* voxel, uint32_t patches, uint32_t* masks)
+{
+    const LsGridFrame* frame = &worker->voxels->frame;
+    const double bound = (double)frame->bound * (double)(1u << (2 * voxel->level));
+    ls_shafts_mark((const double(*)[3][3])worker->corners, voxel->reference_count, bound, patches,
+                   masks, worker->scratch);
+}
+
+// Masks of N = 1 from those of any N: the hull of two faces is the union of the hulls of their patches.
+static void merge_masks(const uint32_t* masks, uint32_t patches, uint32_t merged[15])
+{
+    const uint32_t square = patches * patches;
+    for (uint32_t pair = 0; pair < 15; pair++)
+    {
+        merged[pair] = 0;
+        for (uint32_t i = 0; i < square * square; i++)
+        {
+            merged[pair] |= masks[pair * square * square + i];
+        }
+    }
+}
+
+// Masks of N in `current`; those of 2, which 1 are made of, wait in `next`.
+static void mark_next(Worker* worker, const LsWorkVoxel* voxel, uint32_t patches)
+{
+    if (patches == 1 && worker->choice->patches > 1)
+    {
+        mark_voxel(worker, voxel, 2, worker->next);
+        merge_masks(worker->next, 2, worker->current);
+    }
+    else if (patches == 2)
+    {
+        swap_masks(&worker->current, &worker->next);
+    }
+    else
+    {
+        mark_voxel(worker, voxel, patches, worker->current);
+    }
+}
+
+static double table_price(const Worker* worker, uint32_t patches, uint32_t count)
+{
+    return worker->choice->byte_price * sizeof(uint32_t) *
+           (double)ls_mask_words(LS_SHAFT_COUNT(patches), count);
+}
+
+// Leaves the masks of the best N in `best`; N is 0 where none is worth its table. Tests in a voxel
+// come down to what N cannot change with about 1 / N, so a step saves (N - 1) / (N + 1) of what the one
+// before it did; the search ends where not even twice that would pay.
+static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double* tests)
+{
+    const uint32_t count = voxel->reference_count;
+    const double visits = ls_voxel_visits(voxel);
+    double least = visits * count, before = count;
+    uint32_t best = 0;
+    *tests = count;
+    for (uint32_t n = 1; n <= worker->choice->patches; n++)
+    {
+        mark_next(worker, voxel, n);
+        const double here = ls_shaft_tests(&worker->weights[n], worker->current);
+        const double cost = visits * (LOOKUP_TESTS + here) + table_price(worker, n, count);
+        if (cost < least)
+        {
+            least = cost;
+            best = n;
+            *tests = here;
+            swap_masks(&worker->best, &worker->current);
+        }
+        const double hope = (before - here) * (n - 1) / (n + 1);
+        const double step = table_price(worker, n + 1, count) - table_price(worker, n, count);
+        if (n >= 2 && cost + step - visits * hope >= least)
+        {
+            break;
+        }
+        before = here;
+    }
+    return best;
+}
+
+static bool reserve_words(LsTableBlock* block, uint64_t count)
+{
+    if (block->word_count + count <= block->capacity)
+    {
+        return true;
+    }
+    // Below 2^32 for LS_TABLE_VOXELS of the largest tables.
+    const uint64_t capacity = block->capacity * 3ull / 2 + count;
+    uint32_t* words = realloc(block->words, capacity * sizeof(uint32_t));
+    if (words == NULL)
+    {
+        return false;
+    }
+    block->words = words;
+    block->capacity = (uint32_t)capacity;
+    return true;
+}
+
+// Appends the table of a voxel of kind MASKS, or makes it a LIST. Its `table` counts from the block's
+// first word. False when out of memory.
+static bool add_table(Worker* worker, LsTableBlock* block, LsWorkVoxel* voxel, double* tests)
+{
+    const LsVoxels* voxels = worker->voxels;
+    for (uint32_t k = 0; k < voxel->reference_count; k++)
+    {
+        uint32_t reference = voxels->references[voxel->first_reference + k];
+        corners_in_voxel(voxels, voxel, &worker->mesh->triangles[reference], worker->corners[k]);
+    }
+    uint32_t patches = worker->choice->patches;
+    if (worker->choice->chosen)
+    {
+        patches = choose_patches(worker, voxel, tests);
+    }
+    else
+    {
+        mark_voxel(worker, voxel, patches, worker->best);
+        *tests = ls_shaft_tests(&worker->weights[patches], worker->best);
+    }
+    if (patches == 0)
+    {
+        voxel->kind = LS_VOXEL_LIST;
+        return true;
+    }
+    const uint32_t shafts = LS_SHAFT_COUNT(patches);
+    const uint64_t words = ls_mask_words(shafts, voxel->reference_count);
+    if (!reserve_words(block, words))
+    {
+        return false;
+    }
+    voxel->patches = patches;
+    voxel->table = block->word_count;
+    block->filled_count +=
+        pack_masks(worker->best, shafts, voxel->reference_count, block->words + block->word_count);
+    block->word_count += (uint32_t)words;
+    block->shaft_count += shafts;
+    return true;
+}
+
+// ---- All voxels ---------------------------------------------------------------------------------------
+
+static bool fill_block(Worker* worker, LsTableBlock* block, LsWorkVoxel* first, uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+    {
+        LsWorkVoxel* voxel = &first[i];
+        double tests = voxel->reference_count;
+        if (voxel->kind == LS_VOXEL_SUBGRID)
+        {
+            continue;
+        }
+        if (voxel->kind == LS_VOXEL_BVH)
+        {
+            tests = ls_leaf_bvh_tests(worker->voxels->leaf_nodes + voxel->table, voxel);
+        }
+        if (voxel->kind == LS_VOXEL_MASKS && !add_table(worker, block, voxel, &tests))
+        {
+            return false;
+        }
+        const double visits = ls_voxel_visits(voxel);
+        block->visits += visits;
+        block->lookups += voxel->kind == LS_VOXEL_MASKS ? visits : 0.0;
+        block->tests += visits * tests;
+    }
+    if (block->word_count > 0) // gives back what it has too much
+    {
+        uint32_t* words = realloc(block->words, block->word_count * sizeof(uint32_t));
+        block->words = words != NULL ? words : block->words;
+    }
+    return true;
+}
+
+static LsResult check_words(uint64_t count, LsError* error)
+{
+    return count <= UINT32_MAX
+               ? LS_OK
+               : ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
+                              "the shaft tables of an object need %llu MiB, more than the format "
+                              "holds; use fewer --patches",
+                              (unsigned long long)(count >> 18));
+}
+
+// Words of all tables of the same N.
+static uint64_t count_words(const LsVoxels* voxels, uint32_t patches)
 {
     uint64_t sum = 0;
     for (uint32_t i = 0; i < voxels->voxel_count; i++)
     {
-        LsWorkVoxel* voxel = &voxels->voxels[i];
-        if (voxel->kind == LS_VOXEL_MASKS)
-        {
-            voxel->table = (uint32_t)sum;
-            sum += ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count);
-            tables->shaft_count += LS_SHAFT_COUNT(patches);
-        }
+        const LsWorkVoxel* voxel = &voxels->voxels[i];
+        sum += voxel->kind == LS_VOXEL_MASKS
+                   ? ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count)
+                   : 0;
     }
-    if (sum > UINT32_MAX)
-    {
-        return ls_error_set(error, LS_MESSAGE_LIMIT_RECORDS,
-                            "the shaft tables of an object need %llu MiB, more than the format "
-                            "holds; use fewer --patches",
-                            (unsigned long long)(sum >> 18));
-    }
-    tables->word_count = (uint32_t)sum;
-    tables->words = calloc(sum + 1, sizeof(uint32_t));
-    return tables->words != NULL
-               ? LS_OK
-               : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
-                              "out of memory for %llu MiB of shaft tables; use fewer --patches",
-                              (unsigned long long)(sum >> 18));
+    return sum;
 }
 
-LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error)
+// Puts the blocks one behind the other, in order, so that sums do not depend on threads.
+static LsResult join_blocks(LsTables* tables, LsVoxels* voxels, LsError* error)
 {
+    uint64_t sum = 0;
+    for (uint32_t b = 0; b < tables->block_count; b++)
+    {
+        const LsTableBlock* block = &tables->blocks[b];
+        const uint32_t first = b * LS_TABLE_VOXELS;
+        for (uint32_t i = first; i < voxels->voxel_count && i < first + LS_TABLE_VOXELS; i++)
+        {
+            LsWorkVoxel* voxel = &voxels->voxels[i];
+            voxel->table += voxel->kind == LS_VOXEL_MASKS ? (uint32_t)sum : 0;
+        }
+        sum += block->word_count;
+        tables->shaft_count += block->shaft_count;
+        tables->filled_count += block->filled_count;
+        tables->visits += block->visits;
+        tables->lookups += block->lookups;
+        tables->tests += block->tests;
+    }
+    tables->word_count = (uint32_t)sum;
+    return check_words(sum, error);
+}
+
+// Those of each N that may be used. False when out of memory.
+static bool create_weights(LsShaftWeights weights[LS_MAX_PATCHES + 1],
+                           const LsPatchesChoice* choice)
+{
+    bool ok = true;
+    for (uint32_t n = choice->chosen ? 1 : choice->patches; n <= choice->patches && ok; n++)
+    {
+        ok = ls_shaft_weights_create(&weights[n], n);
+    }
+    return ok;
+}
+
+// Fills all blocks; false when out of memory.
+static bool fill_blocks(LsTables* tables, LsVoxels* voxels, const Worker* shared, uint32_t threads,
+                        const LsStageProgress* progress)
+{
+    bool ok = true;
+#pragma omp parallel num_threads(threads) reduction(&& : ok)
+    {
+        Worker worker = *shared;
+        ok = create_worker(&worker);
+#pragma omp for schedule(dynamic)
+        for (uint32_t b = 0; b < tables->block_count; b++)
+        {
+            // Blocks go out in order, so the first thread's own says how far all are.
+            if (omp_get_thread_num() == 0)
+            {
+                ls_stage_note(progress, (double)b / tables->block_count);
+            }
+            const uint32_t first = b * LS_TABLE_VOXELS;
+            const uint32_t left = voxels->voxel_count - first;
+            ok = ok && fill_block(&worker, &tables->blocks[b], voxels->voxels + first,
+                                  left < LS_TABLE_VOXELS ? left : LS_TABLE_VOXELS);
+        }
+        destroy_worker(&worker);
+    }
+    return ok;
+}
+
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh,
+                          const LsPatchesChoice* choice, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error)
+{
+    // What is known beforehand is refused before the work.
     *tables = (LsTables){0};
-    LsResult result = place_tables(tables, voxels, patches, error);
+    LsResult result =
+        choice->chosen ? LS_OK : check_words(count_words(voxels, choice->patches), error);
     if (result != LS_OK)
     {
         return result;
     }
-    uint64_t filled = 0;
-    bool ok = true;
-    uint32_t shafts = LS_SHAFT_COUNT(patches);
-#pragma omp parallel num_threads(threads) reduction(+ : filled) reduction(&& : ok)
+    tables->block_count = voxels->voxel_count / LS_TABLE_VOXELS + 1;
+    tables->blocks = calloc(tables->block_count, sizeof *tables->blocks);
+    LsShaftWeights weights[LS_MAX_PATCHES + 1] = {0};
+    const Worker shared = {.voxels = voxels, .mesh = mesh, .choice = choice, .weights = weights};
+    const bool ok = tables->blocks != NULL && create_weights(weights, choice) &&
+                    fill_blocks(tables, voxels, &shared, threads, progress);
+    for (uint32_t n = 0; n <= LS_MAX_PATCHES; n++)
     {
-        LsShaftScratch* scratch = ls_shaft_scratch_create();
-        uint32_t* masks = malloc(sizeof(uint32_t) * shafts);
-        ok = ok && scratch != NULL && masks != NULL;
-#pragma omp for schedule(dynamic, 32)
-        for (uint32_t i = 0; i < voxels->voxel_count; i++)
-        {
-            const LsWorkVoxel* voxel = &voxels->voxels[i];
-            // Voxels go out in order, so the first thread's own says how far all are.
-            if (omp_get_thread_num() == 0 && i % 32 == 0)
-            {
-                ls_stage_note(progress, (double)i / voxels->voxel_count);
-            }
-            if (!ok || voxel->kind != LS_VOXEL_MASKS)
-            {
-                continue;
-            }
-            double corners[LS_MASK_TRIANGLES][3][3];
-            for (uint32_t k = 0; k < voxel->reference_count; k++)
-            {
-                uint32_t reference = voxels->references[voxel->first_reference + k];
-                corners_in_voxel(voxels, voxel, &mesh->triangles[reference], corners[k]);
-            }
-            double bound = (double)voxels->frame.bound * (double)(1u << (2 * voxel->level));
-            ls_shafts_mark((const double(*)[3][3])corners, voxel->reference_count, bound, patches,
-                           masks, scratch);
-            filled +=
-                pack_masks(masks, shafts, voxel->reference_count, tables->words + voxel->table);
-        }
-        free(masks);
-        ls_shaft_scratch_destroy(scratch);
+        ls_shaft_weights_destroy(&weights[n]);
     }
-    tables->filled_count = filled;
-    if (!ok)
+    result = ok ? join_blocks(tables, voxels, error)
+                : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                               "out of memory for the table of shafts; use fewer --patches");
+    if (result != LS_OK)
     {
         ls_tables_destroy(tables);
-        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for the shaft test");
     }
-    return LS_OK;
+    return result;
 }
 
 void ls_tables_destroy(LsTables* tables)
 {
-    free(tables->words);
+    for (uint32_t b = 0; tables->blocks != NULL && b < tables->block_count; b++)
+    {
+        free(tables->blocks[b].words);
+    }
+    free(tables->blocks);
     *tables = (LsTables){0};
+}
+
+void ls_tables_copy(const LsTables* tables, uint32_t* words)
+{
+    for (uint32_t b = 0; b < tables->block_count; b++)
+    {
+        const LsTableBlock* block = &tables->blocks[b];
+        if (block->word_count > 0)
+        {
+            memcpy(words, block->words, block->word_count * sizeof(uint32_t));
+        }
+        words += block->word_count;
+    }
 }

@@ -5,19 +5,51 @@
 
 #include "voxels.h"
 
-// Owns its array.
+// What the table of a voxel costs and saves, to choose N by.
+typedef struct LsPatchesChoice
+{
+    uint32_t patches;  // N of every voxel, or the most that may be chosen
+    bool chosen;       // each voxel has the N, or no table, of the least tests + price * bytes
+    double byte_price; // triangle tests of a ray through a voxel of a whole cell; if chosen
+} LsPatchesChoice;
+
+// Tables of LS_TABLE_VOXELS voxels, one behind the other.
+typedef struct LsTableBlock
+{
+    uint32_t* words;
+    uint32_t word_count;
+    uint32_t capacity;
+    uint64_t shaft_count;
+    uint64_t filled_count; // shafts whose mask is not 0
+    double visits;         // of voxels that rays test triangles in: ls_voxel_visits
+    double lookups;        // visits of those with masks
+    double tests;          // expected in all visits
+} LsTableBlock;
+
+#define LS_TABLE_VOXELS 256
+
+// Owns its arrays.
 typedef struct LsTables
 {
-    uint32_t* words; // all tables, voxel after voxel
+    LsTableBlock* blocks;
+    uint32_t block_count;
     uint32_t word_count;
-    uint64_t shaft_count;  // in all tables
-    uint64_t filled_count; // shafts whose mask is not 0
+    uint64_t shaft_count;
+    uint64_t filled_count;
+    double visits; // tests / visits: expected triangle tests of a voxel that a ray visits
+    double lookups;
+    double tests;
 } LsTables;
 
-// Makes the tables of all voxels of kind MASKS and sets their `table`. The result does not depend
-// on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
-LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh, uint32_t patches,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error);
+// Makes the tables of all voxels of kind MASKS and sets their `patches` and `table`; where a choice
+// finds no table worth its bytes, the voxel becomes a LIST. The result does not depend on `threads`.
+// `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
+LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh,
+                          const LsPatchesChoice* choice, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error);
 void ls_tables_destroy(LsTables* tables);
+
+// Copies all tables, word_count words.
+void ls_tables_copy(const LsTables* tables, uint32_t* words);
 
 #endif

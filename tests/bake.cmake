@@ -24,6 +24,9 @@ ls_add_test(NAME test_shafts SOURCES test_shafts.c LIBRARIES ls_bake ls_test_ref
 target_include_directories(test_shafts PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 target_compile_definitions(test_shafts PRIVATE $<TARGET_PROPERTY:ls_bake,LS_VARIANTS>)
 
+ls_add_test(NAME test_shaft_cost SOURCES test_shaft_cost.c LIBRARIES ls_test_scenes ls_test_reference)
+target_include_directories(test_shaft_cost PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
 ls_add_test(NAME test_voxels SOURCES test_voxels.c
     LIBRARIES ls_test_scenes ls_test_reference)
 

@@ -23,6 +23,13 @@ static void require(LsResult result, const LsError* error)
 void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
                    LsTestPlacement placement, uint32_t grid, uint32_t patches, uint32_t threads)
 {
+    ls_baked_open_desc(baked, mesh, name, placement,
+                       &(LsBakeDesc){.grid = grid, .patches = patches, .threads = threads});
+}
+
+void ls_baked_open_desc(LsBaked* baked, const LsTestMesh* mesh, const char* name,
+                        LsTestPlacement placement, const LsBakeDesc* options)
+{
     memset(baked, 0, sizeof *baked);
     const char* folder = LS_BINARY_DIR "/test_scenes";
     mkdir(folder, 0777);
@@ -32,7 +39,8 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
     snprintf(stem, sizeof stem, "%s/%d-%s-%d", folder, (int)getpid(), name, (int)placement);
     bool alone = placement == LS_TEST_ALONE;
     snprintf(source, sizeof source, "%s.%s", stem, alone ? "ply" : "gltf");
-    snprintf(baked->path, sizeof baked->path, "%s-%u-%u-%u.lspace", stem, grid, patches, threads);
+    snprintf(baked->path, sizeof baked->path, "%s-%u-%u%s-%u.lspace", stem, options->grid,
+             options->patches, options->choose_patches ? "-chosen" : "", options->threads);
     if (alone)
     {
         ls_test_mesh_write_ply(mesh, source);
@@ -44,16 +52,13 @@ void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
 
     const LsBakeInput input = {.path = source};
     LsError error = {.result = LS_OK};
-    require(ls_bake_run(&(LsBakeDesc){.inputs = &input,
-                                      .input_count = 1,
-                                      .output = baked->path,
-                                      .grid = grid,
-                                      .patches = patches,
-                                      .threads = threads,
-                                      .force = true,
-                                      .keep_degenerate = mesh->keep_degenerate},
-                        &baked->report, &error),
-            &error);
+    LsBakeDesc desc = *options;
+    desc.inputs = &input;
+    desc.input_count = 1;
+    desc.output = baked->path;
+    desc.force = true;
+    desc.keep_degenerate = mesh->keep_degenerate;
+    require(ls_bake_run(&desc, &baked->report, &error), &error);
     remove(source);
     if (!alone)
     {

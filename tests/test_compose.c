@@ -51,6 +51,16 @@ static void test_wrong_desc(void** state)
         {{.inputs = &good, .input_count = 1, .output = "x", .grid = 5000}, LS_MESSAGE_USAGE_NUMBER},
         {{.inputs = &good, .input_count = 1, .output = "x", .patches = 17},
          LS_MESSAGE_USAGE_NUMBER},
+        {{.inputs = &good,
+          .input_count = 1,
+          .output = "x",
+          .choose_patches = true,
+          .patches = LS_MAX_CHOSEN_PATCHES + 1},
+         LS_MESSAGE_USAGE_NUMBER},
+        {{.inputs = &good, .input_count = 1, .output = "x", .byte_price = -1.0},
+         LS_MESSAGE_USAGE_NUMBER},
+        {{.inputs = &good, .input_count = 1, .output = "x", .byte_price = NAN},
+         LS_MESSAGE_USAGE_NUMBER},
         {{.inputs = &good, .input_count = 1, .output = "x", .smooth_angle = NAN},
          LS_MESSAGE_USAGE_NUMBER},
         {{.inputs = &good, .input_count = 1, .output = "x", .normals = (LsNormalSource)9},
@@ -125,7 +135,7 @@ static void test_memory_limit(void** state)
                             {.kind = LS_VOXEL_MASKS, .reference_count = 32}};
     const LsBakedObject object = {.voxels = {.voxels = voxels, .voxel_count = 3}};
     // 240 masks of 9 bits take 67.5 words.
-    assert_int_equal(ls_tables_need(&object, 1, 2), 4 * (68 + 240));
+    assert_int_equal(ls_tables_need(&object, 1, &(LsPatchesChoice){.patches = 2}), 4 * (68 + 240));
     const LsMesh mesh = {.triangle_count = 100};
     assert_int_equal(ls_pack_need(&object, &mesh, 1), 100 * 48 + 3 * 16);
 }

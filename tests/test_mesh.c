@@ -643,8 +643,8 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
         if (with_grid)
         {
             expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], 8, 1, NULL, &error), &error);
-            expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i], 1, 1,
-                                       NULL, &error),
+            expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i],
+                                       &(LsPatchesChoice){.patches = 1}, 1, NULL, &error),
                       &error);
             objects[i].has_grid = true;
         }

@@ -1,5 +1,6 @@
 // What lsbake prints of a bake, and the errors of scenes that cannot be baked.
 
+#include "ls_layout.h"
 #include "ls_messages.h"
 #include "report.h"
 
@@ -301,6 +302,44 @@ static void older_outputs(void** state)
     unlink(source);
 }
 
+// What N was chosen, and what is left to test.
+static void voxels_by_patches(void** state)
+{
+    (void)state;
+    const LsBakeInput input = {.path = LS_SOURCE_DIR "/tests/data/elephant.ply"};
+    char target[128], line[64];
+    LsBakeReport report = {0};
+    LsError error = {0};
+    assert_int_equal(ls_bake_run(&(LsBakeDesc){.inputs = &input,
+                                               .input_count = 1,
+                                               .output = path_in(target, "out.lspace"),
+                                               .grid = 20,
+                                               .choose_patches = true},
+                                 &report, &error),
+                     LS_OK);
+    char* text = capture(print_text, &report);
+    assert_non_null(strstr(text, "  expected triangle tests in a voxel "));
+    snprintf(line, sizeof line, "%llu of 2", (unsigned long long)report.patches_count[2]);
+    assert_non_null(strstr(text, line));
+    free(text);
+    text = capture(print_json, &report);
+    cJSON* root = cJSON_Parse(text);
+    assert_non_null(root);
+    const cJSON* counts = cJSON_GetObjectItem(root, "voxels_by_patches");
+    assert_int_equal(cJSON_GetArraySize(counts), LS_MAX_PATCHES + 1);
+    double sum = 0.0;
+    for (int n = 0; n <= LS_MAX_PATCHES; n++)
+    {
+        sum += cJSON_GetArrayItem(counts, n)->valuedouble;
+    }
+    assert_true(sum > 0.0 && sum == cJSON_GetObjectItem(root, "voxels_masks")->valuedouble);
+    const double tests = cJSON_GetObjectItem(root, "tests_per_voxel")->valuedouble;
+    assert_true(tests > 1.0 && tests < 32.0);
+    cJSON_Delete(root);
+    free(text);
+    ls_bake_report_destroy(&report);
+}
+
 // Shaft tables of the finest kind over very many voxels: counted before anything is allocated.
 static void tables_beyond_the_format(void** state)
 {
@@ -326,6 +365,7 @@ int main(void)
         cmocka_unit_test(reports_tell_time_and_memory),
         cmocka_unit_test(scenes_that_cannot_be_baked),
         cmocka_unit_test(older_outputs),
+        cmocka_unit_test(voxels_by_patches),
         cmocka_unit_test(tables_beyond_the_format),
     };
     return cmocka_run_group_tests_name("report", tests, make_folder, remove_folder);

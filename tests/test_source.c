@@ -208,8 +208,10 @@ static void hash_desc(const LsBakeDesc* desc, uint8_t hash[16])
     LsSourceFiles files = {0};
     LsError error = {0};
     assert_int_equal(ls_source_files_list(&files, desc, &error), LS_OK);
-    assert_int_equal(
-        ls_source_hash(&files, desc, desc->patches ? desc->patches : 3, 2, hash, &error), LS_OK);
+    const LsPatchesChoice choice = {.patches = desc->patches ? desc->patches : 3,
+                                    .chosen = desc->choose_patches,
+                                    .byte_price = desc->byte_price};
+    assert_int_equal(ls_source_hash(&files, desc, &choice, 2, hash, &error), LS_OK);
     ls_source_files_destroy(&files);
 }
 
@@ -318,6 +320,8 @@ static void options_move_the_hash(void** state)
 #define DESC .inputs = &how, .input_count = 1
     const LsBakeDesc moving[] = {{DESC, .grid = 9},
                                  {DESC, .patches = 2},
+                                 {DESC, .choose_patches = true},
+                                 {DESC, .choose_patches = true, .byte_price = 0.5},
                                  {DESC, .no_weld = true},
                                  {DESC, .keep_degenerate = true},
                                  {DESC, .normals = LS_NORMALS_NONE},
@@ -372,7 +376,9 @@ static void large_files(void** state)
     uint8_t plain[16], hash[16];
     for (uint32_t threads = 1; threads <= 5; threads++)
     {
-        assert_int_equal(ls_source_hash(&files, &desc, 3, threads, hash, &error), LS_OK);
+        assert_int_equal(
+            ls_source_hash(&files, &desc, &(LsPatchesChoice){.patches = 3}, threads, hash, &error),
+            LS_OK);
         if (threads == 1)
             memcpy(plain, hash, 16);
         assert_memory_equal(plain, hash, 16);
@@ -381,13 +387,16 @@ static void large_files(void** state)
     for (size_t i = 0; i < sizeof places / sizeof *places; i++)
     {
         assert_int_equal(pwrite(file, "x", 1, places[i]), 1);
-        assert_int_equal(ls_source_hash(&files, &desc, 3, 2, hash, &error), LS_OK);
+        assert_int_equal(
+            ls_source_hash(&files, &desc, &(LsPatchesChoice){.patches = 3}, 2, hash, &error),
+            LS_OK);
         assert_memory_not_equal(plain, hash, 16);
         assert_int_equal(pwrite(file, "\0", 1, places[i]), 1);
     }
     // Cut short after it was listed: as one that is not there, not a crash.
     assert_int_equal(ftruncate(file, 1 << 20), 0);
-    assert_int_equal(ls_source_hash(&files, &desc, 3, 2, hash, &error), LS_OK);
+    assert_int_equal(
+        ls_source_hash(&files, &desc, &(LsPatchesChoice){.patches = 3}, 2, hash, &error), LS_OK);
     assert_memory_not_equal(plain, hash, 16);
     close(file);
     ls_source_files_destroy(&files);

@@ -23,15 +23,21 @@ typedef struct LsVoxelCase
 {
     LsTestMeshId mesh;
     uint32_t grid, patches;
+    double byte_price; // of N by voxel; 0: N is `patches`
 } LsVoxelCase;
 
 static const LsVoxelCase CASES[] = {
-    {LS_TEST_MESH_BUNNY, 48, 3},  {LS_TEST_MESH_TEAPOT, 0, 0},    {LS_TEST_MESH_TEAPOT, 5, 2},
-    {LS_TEST_MESH_SHELL, 16, 4},  {LS_TEST_MESH_SHEETS, 10, 3},   {LS_TEST_MESH_SLIVERS, 13, 2},
-    {LS_TEST_MESH_HUB, 8, 2},     {LS_TEST_MESH_FAN, 4, 1},       {LS_TEST_MESH_FLAT, 20, 3},
-    {LS_TEST_MESH_STADIUM, 9, 3}, {LS_TEST_MESH_ELEPHANT, 20, 5}, {LS_TEST_MESH_MICRO, 12, 2},
-    {LS_TEST_MESH_MEGA, 12, 2},   {LS_TEST_MESH_FAR, 12, 2},      {LS_TEST_MESH_ONE, 4, 2},
-    {LS_TEST_MESH_STRAY, 12, 3},  {LS_TEST_MESH_STRAY, 3, 2},
+    {LS_TEST_MESH_BUNNY, 48, 3, 0},    {LS_TEST_MESH_TEAPOT, 0, 0, 0},
+    {LS_TEST_MESH_TEAPOT, 5, 2, 0},    {LS_TEST_MESH_SHELL, 16, 4, 0},
+    {LS_TEST_MESH_SHEETS, 10, 3, 0},   {LS_TEST_MESH_SLIVERS, 13, 2, 0},
+    {LS_TEST_MESH_HUB, 8, 2, 0},       {LS_TEST_MESH_FAN, 4, 1, 0},
+    {LS_TEST_MESH_FLAT, 20, 3, 0},     {LS_TEST_MESH_STADIUM, 9, 3, 0},
+    {LS_TEST_MESH_ELEPHANT, 20, 5, 0}, {LS_TEST_MESH_MICRO, 12, 2, 0},
+    {LS_TEST_MESH_MEGA, 12, 2, 0},     {LS_TEST_MESH_FAR, 12, 2, 0},
+    {LS_TEST_MESH_ONE, 4, 2, 0},       {LS_TEST_MESH_STRAY, 12, 3, 0},
+    {LS_TEST_MESH_STRAY, 3, 2, 0},     {LS_TEST_MESH_ELEPHANT, 20, 5, 0.0005},
+    {LS_TEST_MESH_TEAPOT, 6, 4, 0.01}, {LS_TEST_MESH_SHELL, 16, 1, 0.001},
+    {LS_TEST_MESH_STRAY, 12, 8, 1e-9},
 };
 #define CASE_COUNT (sizeof CASES / sizeof CASES[0])
 
@@ -590,12 +596,21 @@ static void files_against_oracles(void** state)
 {
     (void)state;
     uint64_t kinds[4] = {0}, leaf_corners = 0, masks_met = 0;
+    uint64_t chosen[LS_MAX_CHOSEN_PATCHES + 1] = {0};
     for (uint32_t i = 0; i < CASE_COUNT; i++)
     {
         const char* name = ls_test_mesh_name(CASES[i].mesh);
         LsTestMesh mesh = ls_test_mesh_make(CASES[i].mesh);
         LsBaked baked;
-        ls_baked_open(&baked, &mesh, name, LS_TEST_ALONE, CASES[i].grid, CASES[i].patches, 0);
+        ls_baked_open_desc(&baked, &mesh, name, LS_TEST_ALONE,
+                           &(LsBakeDesc){.grid = CASES[i].grid,
+                                         .patches = CASES[i].patches,
+                                         .choose_patches = CASES[i].byte_price > 0.0,
+                                         .byte_price = CASES[i].byte_price});
+        for (uint32_t n = 1; n <= LS_MAX_CHOSEN_PATCHES && CASES[i].byte_price > 0.0; n++)
+        {
+            chosen[n] += baked.report.patches_count[n];
+        }
         const LsObject* object = &baked.file.objects[0];
         assert_int_equal(object->face_count, mesh.triangle_count);
         assert_true(object->triangle_count + baked.report.dropped_count == mesh.triangle_count);
@@ -643,6 +658,8 @@ static void files_against_oracles(void** state)
     }
     assert_true(leaf_corners > 0);
     assert_true(masks_met > 10000);
+    // Choices do lead to different N.
+    assert_true(chosen[1] > 0 && chosen[2] > 0 && chosen[3] > 0 && chosen[8] > 0);
 }
 
 // Corners carried to the world by the exact inverse of the normative transform lie in their
@@ -728,8 +745,10 @@ static void same_bytes_for_any_threads(void** state)
             for (uint32_t i = 0; i < 3; i++)
             {
                 // A copy of its own for each, since the name holds the count of threads.
-                ls_baked_open(&baked[i], &mesh, ls_test_mesh_name(ids[m]),
-                              (LsTestPlacement)placement, 0, 0, threads[i]);
+                ls_baked_open_desc(
+                    &baked[i], &mesh, ls_test_mesh_name(ids[m]), (LsTestPlacement)placement,
+                    &(LsBakeDesc){.choose_patches = m % 2 == 0, .threads = threads[i]});
+                assert_true(baked[i].report.tests_per_voxel == baked[0].report.tests_per_voxel);
             }
             for (uint32_t i = 1; i < 3; i++)
             {

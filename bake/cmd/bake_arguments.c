@@ -44,7 +44,10 @@ const char ls_bake_help[] =
     "Line Space:\n"
     "      --grid G           cells along the longest side of each object's box, 1 to 4096\n"
     "                         (default: a quarter of the root of its triangle count, 4 to 512)\n"
-    "      --patches N        patches along a voxel's edge, 1 to 16 (default 3)\n"
+    "      --patches N        patches along a voxel's edge, 1 to 16 (default 3); auto: chosen for\n"
+    "                         each voxel, up to 5; auto:N up to N, 1 to 8\n"
+    "      --byte-price F     with auto: what a byte of a table must save, in triangle tests of a\n"
+    "                         ray in the voxel (default 0.001)\n"
     "\n"
     "The bake:\n"
     "  -o, --output FILE      where to write (required)\n"
@@ -197,6 +200,17 @@ static bool read_normals(const Option* option, const char* text, void* target)
     return desc->normals != LS_NORMALS_SMOOTH || read_double(option, text, &desc->smooth_angle);
 }
 
+static bool read_patches(const Option* option, const char* text, void* target)
+{
+    LsBakeDesc* desc = target;
+    desc->patches = 0;
+    desc->choose_patches = strncmp(text, "auto", 4) == 0;
+    if (!desc->choose_patches)
+        return read_uint32(option, text, &desc->patches);
+    return text[4] == '\0' || (text[4] == ':' && read_uint32(option, text + 5, &desc->patches) &&
+                               desc->patches <= LS_MAX_CHOSEN_PATCHES);
+}
+
 static bool read_report(const Option* option, const char* text, void* target)
 {
     (void)option;
@@ -233,8 +247,10 @@ static const Option options[] = {
      LS_MESSAGE_USAGE_CHOICE, 0, 180},
     {"--grid", NULL, BAKE(grid), read_uint32, NUMBER("a whole number from 1 to 4096"), 1,
      LS_MAX_CELLS},
-    {"--patches", NULL, BAKE(patches), read_uint32, NUMBER("a whole number from 1 to 16"), 1,
-     LS_MAX_PATCHES},
+    {"--patches", NULL, SCOPE_BAKE, 0, read_patches,
+     NUMBER("a whole number from 1 to 16, auto, or auto: and one from 1 to 8"), 1, LS_MAX_PATCHES},
+    {"--byte-price", NULL, BAKE(byte_price), read_double, NUMBER("a number from 1e-9 to 1e9"), 1e-9,
+     1e9},
     {"--output", "-o", BAKE(output), read_text, FILE_NAME},
     {"--depfile", NULL, BAKE(depfile), read_text, FILE_NAME},
     {"--force", "-f", BAKE(force), FLAG},

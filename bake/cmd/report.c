@@ -84,6 +84,26 @@ static void print_faults(const LsObjectReport* object)
     }
 }
 
+// Voxels by N, and what their masks leave to test.
+static void print_patches(const LsBakeReport* report)
+{
+    if (report->voxel_count == 0)
+    {
+        return;
+    }
+    printf("  expected triangle tests in a voxel %.2f", report->tests_per_voxel);
+    const char* before = "; voxels by N:";
+    for (uint32_t n = 1; n <= LS_MAX_PATCHES; n++)
+    {
+        if (report->patches_count[n] > 0)
+        {
+            printf("%s %llu of %u", before, (unsigned long long)report->patches_count[n], n);
+            before = ",";
+        }
+    }
+    putchar('\n');
+}
+
 void ls_report_print_text(const LsBakeReport* report, const char* output)
 {
     if (report->up_to_date)
@@ -126,6 +146,7 @@ void ls_report_print_text(const LsBakeReport* report, const char* output)
         printf("  shafts %llu, %.1f %% filled\n", (unsigned long long)report->shaft_count,
                100.0 * (double)report->filled_shaft_count / (double)report->shaft_count);
     }
+    print_patches(report);
     printf("  largest condition number of a transform %.3g, peak memory %.0f MB\n ",
            report->max_condition, (double)report->peak_memory_bytes * 1e-6);
     for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
@@ -242,6 +263,7 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
             {"references", (double)report->reference_count},
             {"shafts", (double)report->shaft_count},
             {"filled_shafts", (double)report->filled_shaft_count},
+            {"tests_per_voxel", report->tests_per_voxel},
             {"max_condition", report->max_condition},
         };
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -253,6 +275,11 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
         for (uint32_t i = 0; i < report->faulty_count; i++)
         {
             cJSON_AddItemToArray(faulty, make_object(&report->faulty[i]));
+        }
+        cJSON* patches = cJSON_AddArrayToObject(root, "voxels_by_patches"); // from 0 on
+        for (uint32_t n = 0; n <= LS_MAX_PATCHES; n++)
+        {
+            cJSON_AddItemToArray(patches, cJSON_CreateNumber((double)report->patches_count[n]));
         }
         cJSON* stages = cJSON_AddObjectToObject(root, "stage_seconds");
         for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)

@@ -63,6 +63,9 @@ extern "C"
         LS_NORMALS_SMOOTH, // from the faces around a vertex that differ by no more than an angle
     } LsNormalSource;
 
+// Most patches along a voxel's edge that are chosen by voxel.
+#define LS_MAX_CHOSEN_PATCHES 8
+
     // Input of a bake. Zero means default.
     typedef struct LsBakeDesc
     {
@@ -74,10 +77,13 @@ extern "C"
         const char* depfile;
         uint32_t
             grid; // G: cells along the longest side of an object's box, 1..4096; 0: by triangles
-        uint32_t patches;     // N: patches per voxel side, 1..16; 0: 3
-        uint32_t threads;     // 0: all processors
-        bool force;           // bake also when the output is up to date
-        bool no_weld;         // vertices of equal position stay apart in the mesh stage
+        uint32_t patches; // N: patches per voxel side, 1..16, 0: 3; if chosen the most, 1..8, 0: 5
+        bool
+            choose_patches; // by voxel: the N, or no table, of the least tests + byte_price * bytes
+        double byte_price;  // of tables, in triangle tests of a ray in a voxel; 0: 0.001
+        uint32_t threads;   // 0: all processors
+        bool force;         // bake also when the output is up to date
+        bool no_weld;       // vertices of equal position stay apart in the mesh stage
         bool keep_degenerate; // faces without area are kept; no ray hits them
         LsNormalSource normals;
         double smooth_angle;    // degrees, for LS_NORMALS_SMOOTH
@@ -197,6 +203,8 @@ extern "C"
         uint64_t list_object_count;
         uint64_t crowded_object_count; // given fewer cells than asked for: triangles crowd in them
         uint64_t shaft_count, filled_shaft_count; // of stored tables
+        uint64_t patches_count[17];               // voxels with masks by N
+        double tests_per_voxel; // triangles that a line is expected to test in a voxel it crosses
         uint32_t depth;
         double max_condition;     // largest condition number of an instance's transform
         uint64_t chunk_bytes[32]; // by LsChunk
