@@ -24,7 +24,9 @@
 #include <sys/resource.h>
 #include <time.h>
 
-#define DEFAULT_PATCHES 3
+// With it and the grid of default_grid the tables are a third of what 3 patches take at their own best grid, at
+// 0.94 to 0.97 times the rays a second (docs/benchmarks.md, "Size of the shaft tables").
+#define DEFAULT_PATCHES 2
 #define DEFAULT_MOST_PATCHES 5
 #define DEFAULT_BYTE_PRICE 0.001
 
@@ -164,11 +166,11 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
     return ls_compose_check(desc, error);
 }
 
-// Cells along the longest side until there is a cost model: about four triangles' widths of a
+// Cells along the longest side until there is a cost model: about three and a third triangles' widths of a
 // surface of even triangles.
 static uint32_t default_grid(uint32_t triangle_count)
 {
-    double side = floor(sqrt((double)triangle_count) / 4.0);
+    double side = floor(sqrt((double)triangle_count) * 0.3);
     return side < 4.0 ? 4 : (side > 512.0 ? 512 : (uint32_t)side);
 }
 

@@ -77,7 +77,7 @@ extern "C"
         const char* depfile;
         uint32_t
             grid; // G: cells along the longest side of an object's box, 1..4096; 0: by triangles
-        uint32_t patches; // N: patches per voxel side, 1..16, 0: 3; if chosen the most, 1..8, 0: 5
+        uint32_t patches; // N: patches per voxel side, 1..16, 0: 2; if chosen the most, 1..8, 0: 5
         bool
             choose_patches; // by voxel: the N, or no table, of the least tests + byte_price * bytes
         double byte_price;  // of tables, in triangle tests of a ray in a voxel; 0: 0.001
