@@ -130,8 +130,8 @@ uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
 }
 
 // The mask of the shaft through which the ray crosses a voxel: it enters at `point_in` by the near face of
-// axis_in and leaves at `point_out` by the far face of axis_out, points in the voxel's coordinates. SPEC
-// chapter 6.
+// axis_in and leaves at `point_out` by the far face of axis_out, points in the voxel's coordinates. Bits from
+// the voxel's reference count on are those of other shafts. SPEC chapter 6.
 uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_in, vec3 point_in,
                    uint axis_out, vec3 point_out)
 {
