@@ -94,7 +94,8 @@ extern "C"
         uint32_t flags;        // LS_RAY_FLAG_*
         LsMethod method;
         // Room of ls_trace_scratch_bytes for exact tracing in two passes, which is faster on scenes with
-        // one grid; 64-byte aligned, not used by two batches at a time. 0: one pass.
+        // one grid; 64-byte aligned. Batches that share it need a barrier between them, from compute
+        // shader reads and writes to the same. 0: one pass.
         VkDeviceAddress scratch;
         bool coherent; // rays of neighbouring numbers go similar ways; matters to speed alone
     } LsTraceDesc;
