@@ -3,6 +3,7 @@
 #include "app_scene.h"
 #include "app_trace.h"
 #include "box_rays.h"
+#include "embree_rays.h"
 #include "ls_messages.h"
 
 #include <errno.h>
@@ -26,6 +27,7 @@ static const char HELP[] =
     "  --passes N     2: lists of triangles first, then the grid; 1: all in one kernel (default: "
     "2,\n"
     "                 but on CPUs)\n"
+    "  --embree N     trace the same rays by Embree too, on N threads, fast mode, one at a time\n"
     "  --device NAME  the device whose name contains NAME, not the fastest kind\n"
     "  --help, --version\n"
     "\n"
@@ -53,6 +55,7 @@ typedef struct Options
     uint32_t checks;
     LsMethod method;
     LsAppPasses passes;
+    uint32_t embree_threads; // 0: without
 } Options;
 
 // What one class of rays took, and how its answers compare.
@@ -63,6 +66,8 @@ typedef struct Row
     uint32_t hit_count;
     uint32_t checked_count;
     uint32_t differing_count;
+    double embree_seconds; // median
+    uint32_t embree_hit_count;
     double cells, shafts, tests; // walked, looked up, tested by a ray on average
 } Row;
 
@@ -113,20 +118,17 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
         CHECK,
         METHOD,
         PASSES,
+        EMBREE,
         DEVICE,
         HELP_WANTED,
         VERSION
     };
     static const struct option names[] = {
-        {"size", required_argument, NULL, SIZE},
-        {"repeat", required_argument, NULL, REPEAT},
-        {"check", required_argument, NULL, CHECK},
-        {"method", required_argument, NULL, METHOD},
-        {"passes", required_argument, NULL, PASSES},
-        {"device", required_argument, NULL, DEVICE},
-        {"help", no_argument, NULL, HELP_WANTED},
-        {"version", no_argument, NULL, VERSION},
-        {NULL, 0, NULL, 0},
+        {"size", required_argument, NULL, SIZE},     {"repeat", required_argument, NULL, REPEAT},
+        {"check", required_argument, NULL, CHECK},   {"method", required_argument, NULL, METHOD},
+        {"passes", required_argument, NULL, PASSES}, {"embree", required_argument, NULL, EMBREE},
+        {"device", required_argument, NULL, DEVICE}, {"help", no_argument, NULL, HELP_WANTED},
+        {"version", no_argument, NULL, VERSION},     {NULL, 0, NULL, 0},
     };
     *options = (Options){.width = 1280, .height = 720, .repeats = 21, .checks = 20000};
     *done = true;
@@ -174,6 +176,15 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
                                     optarg);
             }
             options->passes = optarg[0] == '1' ? LS_APP_ONE_PASS : LS_APP_TWO_PASSES;
+            break;
+        case EMBREE:
+            if (!parse_number(optarg, '\0', 1024, &options->embree_threads, &rest) ||
+                options->embree_threads == 0)
+            {
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE,
+                                    "--embree takes a number of threads from 1 to 1024, not ",
+                                    optarg);
+            }
             break;
         case DEVICE:
             options->device_name = optarg;
@@ -323,6 +334,33 @@ static LsResult count_work(Bench* bench, LsRayClass class, LsError* error)
     return result;
 }
 
+// As often as the device's runs are timed, after one that is not.
+static LsResult time_embree(Bench* bench, const Options* options, LsError* error)
+{
+    LsEmbreeRays* embree = ls_embree_rays_create(&bench->scene.file, options->embree_threads);
+    if (embree == NULL)
+    {
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                            "out of memory for Embree, or lsbench was built without it");
+    }
+    for (int class = 0; class < LS_RAY_CLASS_COUNT; class ++)
+    {
+        Row* row = &bench->rows[class];
+        static double seconds[MAX_REPEATS];
+        for (uint32_t i = 0; i <= options->repeats; i++)
+        {
+            seconds[i == 0 ? 0 : i - 1] =
+                ls_embree_rays_trace(embree, bench->rays[class], row->ray_count,
+                                     class == LS_SHADOW_RAYS, &row->embree_hit_count);
+        }
+        qsort(seconds, options->repeats, sizeof *seconds, compare_doubles);
+        row->embree_seconds =
+            0.5 * (seconds[(options->repeats - 1) / 2] + seconds[options->repeats / 2]);
+    }
+    ls_embree_rays_destroy(embree);
+    return LS_OK;
+}
+
 static LsResult run_bench(Bench* bench, const Options* options, LsError* error)
 {
     LsResult result = open_bench(bench, options, error);
@@ -343,6 +381,10 @@ static LsResult run_bench(Bench* bench, const Options* options, LsError* error)
         }
         result = result == LS_OK ? check_class(bench, class, options, error) : result;
         result = result == LS_OK ? count_work(bench, class, error) : result;
+    }
+    if (result == LS_OK && options->embree_threads != 0)
+    {
+        result = time_embree(bench, options, error);
     }
     return result;
 }
@@ -375,6 +417,14 @@ static uint32_t print_report(const Bench* bench, const Options* options)
                median * 1e3, row->seconds[0] * 1e3, row->seconds[n - 1] * 1e3, row->cells,
                row->shafts, row->tests, row->differing_count, row->checked_count);
         differing += row->differing_count;
+    }
+    for (int class = 0; class < LS_RAY_CLASS_COUNT && options->embree_threads != 0; class ++)
+    {
+        const Row* row = &bench->rows[class];
+        printf("embree   %-8s %u threads: %.1f %% hits, %.2f Mrays/s\n",
+               ls_ray_class_name((LsRayClass) class), options->embree_threads,
+               100.0 * row->embree_hit_count / row->ray_count,
+               row->ray_count / row->embree_seconds * 1e-6);
     }
     return differing;
 }
