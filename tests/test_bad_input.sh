@@ -464,7 +464,8 @@ check_runtime()
     tail=()
     check_lspace lsbench
     local value
-    for value in "--size 640" "--size 0x10" "--repeat 0" "--repeat x" "--check -1"; do
+    for value in "--size 640" "--size 0x10" "--repeat 0" "--repeat x" "--check -1" "--method brute" "--passes 3" \
+        "--embree 0"; do
         # shellcheck disable=SC2086
         check 1071 "${value%% *}" lsbench good.lspace $value
     done
