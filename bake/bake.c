@@ -355,8 +355,8 @@ static LsResult make_voxels(Bake* bake, LsError* error)
         LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
         if (result == LS_OK)
         {
-            result = ls_voxels_create(&bake->objects[i].voxels, mesh, grid, bake->threads,
-                                      &progress, error);
+            result = ls_voxels_create(&bake->objects[i].voxels, mesh, grid, LS_MAX_DEPTH,
+                                      bake->threads, &progress, error);
         }
         if (result != LS_OK)
         {

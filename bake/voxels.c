@@ -660,11 +660,12 @@ static LsResult run(Build* build, LsError* error)
 }
 
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
-static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint8_t* copies,
-                         uint32_t threads, const LsStageProgress* progress, bool* crowded,
-                         LsError* error)
+static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
+                         uint8_t* copies, uint32_t threads, const LsStageProgress* progress,
+                         bool* crowded, LsError* error)
 {
     *voxels = (LsVoxels){.frame = ls_grid_frame(mesh, grid)};
+    voxels->frame.depth = voxels->frame.depth < most_depth ? voxels->frame.depth : most_depth;
     // The slack keeps the rounding of double on the safe side of e.
     Build build = {.out = voxels,
                    .mesh = mesh,
@@ -692,8 +693,8 @@ static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint8_t*
     return result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t threads,
-                          const LsStageProgress* progress, LsError* error)
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
+                          uint32_t threads, const LsStageProgress* progress, LsError* error)
 {
     *voxels = (LsVoxels){0};
     uint8_t* copies = ls_find_copies(mesh);
@@ -705,7 +706,8 @@ LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_
     LsResult result = LS_OK;
     for (uint32_t cells = grid; crowded && result == LS_OK; cells /= 2)
     {
-        result = try_grid(voxels, mesh, cells, copies, threads, progress, &crowded, error);
+        result =
+            try_grid(voxels, mesh, cells, most_depth, copies, threads, progress, &crowded, error);
     }
     free(copies);
     return result;

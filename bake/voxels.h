@@ -29,10 +29,11 @@ typedef struct LsVoxels
 
 // Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see
 // voxels->frame. Puts the mesh's triangles into the order in which voxels first name them; copies
-// (ls_find_copies), which none names, come last. The result does not depend on `threads`. `progress`
+// (ls_find_copies), which none names, come last. Sub-grids are no deeper than `most_depth`, LS_MAX_DEPTH at most;
+// what would be divided further is a BVH. The result does not depend on `threads`. `progress`
 // may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t threads,
-                          const LsStageProgress* progress, LsError* error);
+LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
+                          uint32_t threads, const LsStageProgress* progress, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
 
 #endif
