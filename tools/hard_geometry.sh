@@ -9,7 +9,8 @@ trap 'rm -rf "$folder"' EXIT
 declare -A counts=([stadium]=100000 [span]=100000 [cluster]=1000000 [hub]=100000 [edge]=200000 [flat]=1000000
     [layers]=200000 [equal]=200000 [needles]=50000)
 printf '%-8s %9s %8s %9s %9s   %s\n' mesh triangles seconds peak file voxels
-for name in ${*:-stadium span cluster hub edge flat layers equal needles}; do
+(($# > 0)) || set -- stadium span cluster hub edge flat layers equal needles
+for name in "$@"; do
     "$bin/write_hard_meshes" "$name" "${counts[$name]}" "$folder/in.ply"
     "$bin/lsbake" "$folder/in.ply" -o "$folder/out.lspace" --force --report json >"$folder/report.json"
     "$bin/lsinfo" check "$folder/out.lspace" >/dev/null
