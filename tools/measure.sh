@@ -10,7 +10,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 if (($# == 0)); then
-    sed -n 's/^# \{0,1\}//p' "tools/measure.sh" >&2
+    sed -n '2,/^set/s/^# \{0,1\}//p' tools/measure.sh >&2
     exit 1
 fi
 bin=build/release/bin
