@@ -168,13 +168,15 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
     bool met = false;
     float s = 0.0;
     uint triangle = 0u;
+    uint bit = 0u;
     if (lane < pair_count)
     {
         for (; skipped > 0u; skipped--)
         {
             mask &= mask - 1u;
         }
-        triangle = LsWordArray(params.references).at[first + uint(findLSB(mask))];
+        bit = uint(findLSB(mask));
+        triangle = LsWordArray(params.references).at[first + bit];
         LsLocalRay ray = load_testing_ray(owner);
         LsProjection p = ls_project(ray, params.first_triangle + triangle);
         met =
@@ -186,10 +188,9 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
     uint found = subgroupBallot(met).x;
     uint done = min(end, LANES);
     found &= begin >= done ? 0u : (0xFFFFFFFFu >> (32u - done)) & (0xFFFFFFFFu << begin);
-    for (uint i = begin; i < done; i++)
-    {
-        pending &= pending - 1u;
-    }
+    // The bits up to that of the last pair that was done.
+    uint last = subgroupShuffle(bit, max(done, 1u) - 1u);
+    pending &= begin >= done ? 0xFFFFFFFFu : end == done ? 0u : 0xFFFFFFFEu << last;
     bool may_end = false;
     while (subgroupAny(found != 0u))
     {
