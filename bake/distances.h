@@ -1,26 +1,24 @@
 // distances.h - how far a ray may skip from an empty cell, one distance per octant of directions.
+//
+// Words are those of SPEC chapter 5: a link, whose lowest nibble is 0, or eight distances. The distance of
+// an octant (bit i: negative along axis i) is the side, 1..15, of the largest empty cube that starts
+// at the cell and grows into the octant; outside counts as empty.
 
 #ifndef LS_DISTANCES_H
 #define LS_DISTANCES_H
 
-#include <stdint.h>
+#include "ls_layout.h"
 
-// Where distances are read from and stored to. Rows run along x; `size` in cells (or blocks).
-typedef struct LsDistanceGrid
-{
-    uint32_t size[3];
-    // Writes size[0] bytes: nonzero where the cell (x, y, z) is filled.
-    void (*read_row)(void* user, uint32_t y, uint32_t z, uint8_t* filled);
-    // Takes size[0] distances: 0 for filled cells, otherwise the side, 1..15, of the largest empty
-    // cube that starts at the cell and grows into the octant (bit i: negative along axis i);
-    // outside counts as empty. Called concurrently for different octants.
-    void (*store_row)(void* user, uint32_t y, uint32_t z, uint32_t octant,
-                      const uint8_t* distances);
-    void* user;
-} LsDistanceGrid;
+#include <stdbool.h>
 
-// One backward dynamic program per octant, two layers of it in memory. Returns 0 when out of
-// memory.
-int ls_octant_distances(const LsDistanceGrid* grid, uint32_t threads);
+// Sets the distances in all words of a dense table that are no links; these must be LS_NONE before. x
+// runs fastest. False when out of memory.
+bool ls_block_distances(const uint32_t size[3], uint32_t* words, uint32_t threads);
+
+// The same for the words of the cell blocks that a table of blocks links to; cells of blocks without a
+// link are empty. Takes time and memory for the table's blocks and the cells near links, not
+// for all cells. False when out of memory.
+bool ls_cell_distances(const uint32_t size[3], const uint32_t* blocks, LsCellBlock* cell_blocks,
+                       uint32_t cell_block_count, uint32_t threads);
 
 #endif

@@ -47,7 +47,7 @@ uint64_t ls_grid_need(const LsGridFrame* frame)
     uint64_t blocks = 1;
     for (int axis = 0; axis < 3; axis++)
         blocks *= (frame->cells[axis] + LS_BLOCK_SIDE - 1) / LS_BLOCK_SIDE;
-    return 2 * sizeof(uint32_t) * blocks;
+    return sizeof(uint32_t) * blocks;
 }
 
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice)

@@ -18,7 +18,7 @@ uint64_t ls_memory_in_use(void);
 
 // The triangles of the largest mesh, made beside what it is made from.
 uint64_t ls_mesh_need(const LsInput* input);
-// The dense table of a grid's blocks and the links from it.
+// The dense table of a grid's blocks.
 uint64_t ls_grid_need(const LsGridFrame* frame);
 // The masks of all objects; 0 where N is to be chosen, since it is not known yet.
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count,

@@ -113,10 +113,9 @@ typedef struct Build
     bool may_be_crowded; // it has one cell and cannot be halved
     bool crowded;        // see CROWDED_TRIANGLE
     uint32_t blocks[3];  // blocks per axis
-    uint32_t* block_links; // cell block of a block, LS_NONE where empty
-    uint32_t grid_blocks;  // cell blocks of the grid itself
-    uint32_t* counts;      // references per cell of the cell blocks, then fill positions
-    uint32_t* first;       // first reference per cell
+    uint32_t grid_blocks; // cell blocks of the grid itself
+    uint32_t* counts;     // references per cell of the cell blocks, then fill positions
+    uint32_t* first;      // first reference per cell
     uint64_t grid_references;
     uint32_t* references; // of the grid's voxels, before subdivision
     LsSubtree* subtrees;  // of the grid's voxels, in their order
@@ -130,14 +129,14 @@ static uint32_t block_index(const Build* build, uint32_t x, uint32_t y, uint32_t
 
 static void mark_block(Visit* visit, uint32_t x, uint32_t y, uint32_t z)
 {
-    uint32_t* link = &visit->build->block_links[block_index(visit->build, x, y, z)];
+    uint32_t* word = &visit->build->out->blocks[block_index(visit->build, x, y, z)];
 #pragma omp atomic write
-    *link = 0;
+    *word = 0;
 }
 
 static uint32_t cell_slot(const Build* build, uint32_t x, uint32_t y, uint32_t z)
 {
-    uint32_t block = build->block_links[block_index(build, x >> 2, y >> 2, z >> 2)];
+    uint32_t block = build->out->blocks[block_index(build, x >> 2, y >> 2, z >> 2)] >> 4;
     return block * LS_BLOCK_CELLS + (x & 3) + 4 * (y & 3) + 16 * (z & 3);
 }
 
@@ -236,18 +235,17 @@ static LsResult find_blocks(Build* build, LsError* error)
     }
     out->block_count = (uint32_t)count;
     out->blocks = malloc(sizeof(uint32_t) * count);
-    build->block_links = malloc(sizeof(uint32_t) * count);
-    if (out->blocks == NULL || build->block_links == NULL)
+    if (out->blocks == NULL)
     {
         return report_memory(error);
     }
-    memset(build->block_links, 0xFF, sizeof(uint32_t) * count);
+    memset(out->blocks, 0xFF, sizeof(uint32_t) * count);
     visit_all(build, LS_BLOCK_SIDE, build->blocks, mark_block);
     for (uint64_t i = 0; i < count; i++)
     {
-        if (build->block_links[i] != LS_NONE)
+        if (out->blocks[i] != LS_NONE)
         {
-            build->block_links[i] = build->grid_blocks++;
+            out->blocks[i] = build->grid_blocks++ << 4;
         }
     }
     // Cell slots must fit 32 bits as well.
@@ -326,14 +324,14 @@ static LsResult list_grid_voxels(Build* build, LsError* error)
         {
             for (uint32_t x = 0; x < build->blocks[0]; x++)
             {
-                uint32_t block = build->block_links[block_index(build, x, y, z)];
-                if (block == LS_NONE)
+                uint32_t word = out->blocks[block_index(build, x, y, z)];
+                if (word == LS_NONE)
                 {
                     continue;
                 }
                 for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
                 {
-                    size_t slot = (size_t)block * LS_BLOCK_CELLS + c;
+                    size_t slot = (size_t)(word >> 4) * LS_BLOCK_CELLS + c;
                     if (build->first[slot + 1] == build->first[slot])
                     {
                         continue;
@@ -396,7 +394,7 @@ static LsResult join_subtrees(Build* build, LsError* error)
     out->cell_block_count = (uint32_t)blocks;
     out->subgrid_count = (uint32_t)subgrids;
     out->leaf_node_count = (uint32_t)leaf_nodes;
-    out->cell_blocks = calloc(blocks + 1, sizeof(LsCellBlock));
+    out->cell_blocks = malloc((blocks + 1) * sizeof(LsCellBlock));
     out->subgrids = malloc((subgrids + 1) * sizeof(uint32_t));
     out->references = malloc((references + 1) * sizeof(uint32_t));
     out->leaf_nodes = malloc((leaf_nodes + 1) * sizeof(LsBvhNode));
@@ -408,7 +406,8 @@ static LsResult join_subtrees(Build* build, LsError* error)
         return report_memory(error);
     }
 
-    // The grid's own voxels: their links, references and BVHs.
+    // The grid's own voxels: their links, references and BVHs. Words of empty cells are all ones.
+    memset(out->cell_blocks, 0xFF, build->grid_blocks * sizeof(LsCellBlock));
     uint32_t leaf_node = 0;
     for (uint32_t i = 0; i < grid_voxels; i++)
     {
@@ -484,97 +483,22 @@ static LsResult join_subtrees(Build* build, LsError* error)
     return LS_OK;
 }
 
-static void read_block_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
-{
-    const Build* build = user;
-    const uint32_t* links = build->block_links + block_index(build, 0, y, z);
-    for (uint32_t x = 0; x < build->blocks[0]; x++)
-    {
-        filled[x] = links[x] != LS_NONE;
-    }
-}
-
-static void store_block_row(void* user, uint32_t y, uint32_t z, uint32_t octant,
-                            const uint8_t* distances)
-{
-    const Build* build = user;
-    uint32_t* words = build->out->blocks + block_index(build, 0, y, z);
-    for (uint32_t x = 0; x < build->blocks[0]; x++)
-    {
-        uint32_t nibble = (uint32_t)distances[x] << (4 * octant);
-#pragma omp atomic
-        words[x] |= nibble;
-    }
-}
-
-static void read_cell_row(void* user, uint32_t y, uint32_t z, uint8_t* filled)
-{
-    const Build* build = user;
-    const uint32_t* links = build->block_links + block_index(build, 0, y >> 2, z >> 2);
-    uint32_t nx = build->out->frame.cells[0];
-    for (uint32_t x = 0; x < nx; x += 4)
-    {
-        uint32_t link = links[x >> 2];
-        const uint32_t* first = link == LS_NONE ? NULL
-                                                : build->first + (size_t)link * LS_BLOCK_CELLS +
-                                                      4 * (y & 3) + 16 * (z & 3);
-        for (uint32_t i = 0; i < 4 && x + i < nx; i++)
-        {
-            filled[x + i] = first != NULL && first[i + 1] > first[i];
-        }
-    }
-}
-
-static void store_cell_row(void* user, uint32_t y, uint32_t z, uint32_t octant,
-                           const uint8_t* distances)
-{
-    const Build* build = user;
-    const uint32_t* links = build->block_links + block_index(build, 0, y >> 2, z >> 2);
-    uint32_t nx = build->out->frame.cells[0];
-    for (uint32_t x = 0; x < nx; x += 4)
-    {
-        if (links[x >> 2] == LS_NONE)
-        {
-            continue;
-        }
-        uint32_t* words = build->out->cell_blocks[links[x >> 2]].cells + 4 * (y & 3) + 16 * (z & 3);
-        for (uint32_t i = 0; i < 4 && x + i < nx; i++)
-        {
-            uint32_t nibble = (uint32_t)distances[x + i] << (4 * octant);
-#pragma omp atomic
-            words[i] |= nibble;
-        }
-    }
-}
-
-// Words of the block table, and distances of all empty cells and blocks.
+// Distances of all empty cells and blocks.
 static LsResult fill_distances(Build* build, LsError* error)
 {
     LsVoxels* out = build->out;
     const uint32_t* cells = out->frame.cells;
-    for (uint32_t i = 0; i < out->block_count; i++)
-    {
-        uint32_t link = build->block_links[i];
-        out->blocks[i] = link == LS_NONE ? 0 : link << 4;
-    }
-    LsDistanceGrid block_grid = {.size = {build->blocks[0], build->blocks[1], build->blocks[2]},
-                                 .read_row = read_block_row,
-                                 .store_row = store_block_row,
-                                 .user = build};
-    LsDistanceGrid cell_grid = {.size = {cells[0], cells[1], cells[2]},
-                                .read_row = read_cell_row,
-                                .store_row = store_cell_row,
-                                .user = build};
-    if (!ls_octant_distances(&block_grid, build->threads) ||
-        !ls_octant_distances(&cell_grid, build->threads))
+    if (!ls_block_distances(build->blocks, out->blocks, build->threads) ||
+        !ls_cell_distances(build->blocks, out->blocks, out->cell_blocks, build->grid_blocks,
+                           build->threads))
     {
         return report_memory(error);
     }
     // What of a border block lies outside the grid is empty; no ray asks how far.
     for (uint32_t i = 0; i < out->block_count; i++)
     {
-        uint32_t link = build->block_links[i];
-        if (link == LS_NONE)
+        uint32_t word = out->blocks[i];
+        if ((word & 15) != 0)
         {
             continue;
         }
@@ -585,7 +509,7 @@ static LsResult fill_distances(Build* build, LsError* error)
             if (4 * x + (c & 3) >= cells[0] || 4 * y + (c >> 2 & 3) >= cells[1] ||
                 4 * z + (c >> 4) >= cells[2])
             {
-                out->cell_blocks[link].cells[c] = 0x11111111u;
+                out->cell_blocks[word >> 4].cells[c] = 0x11111111u;
             }
         }
     }
@@ -680,7 +604,6 @@ static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t
     {
         ls_subtree_destroy(&build.subtrees[i]);
     }
-    free(build.block_links);
     free(build.counts);
     free(build.first);
     free(build.references);
