@@ -28,6 +28,8 @@ typedef struct Divider
     const LsMesh* mesh;
     const LsGridFrame* frame;
     double grow;
+    uint64_t held; // references of voxels that are not divided, those in the queue among them
+    uint64_t most; // of them
     Pending* queue;
     uint32_t queue_count, queue_capacity;
     uint32_t block_capacity, voxel_capacity, reference_capacity, leaf_node_capacity;
@@ -102,7 +104,7 @@ static uint64_t touched_children(const Divider* divider, const LsWorkVoxel* voxe
     return children;
 }
 
-// Fills touched[] and the children's counts; says whether the division pays.
+// Fills touched[] and the children's counts; says whether the division pays, and then counts it.
 static bool division_pays(Divider* divider, const Pending* pending, uint32_t counts[LS_BLOCK_CELLS],
                           bool* memory)
 {
@@ -131,7 +133,11 @@ static bool division_pays(Divider* divider, const Pending* pending, uint32_t cou
     {
         fewest = counts[c] != 0 && counts[c] < fewest ? counts[c] : fewest;
     }
-    return sum != 0 && sum <= 4ull * pending->count && fewest <= 0.8 * pending->count;
+    const uint64_t held = divider->held - pending->count + sum;
+    const bool pays = sum != 0 && sum <= 4ull * pending->count && held <= divider->most &&
+                      fewest <= 0.8 * pending->count;
+    divider->held = pays ? held : divider->held;
+    return pays;
 }
 
 // Octant distances of a 4^3 block by its filled cells; outside counts as empty.
@@ -329,7 +335,7 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
 }
 
 bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
-                       const LsGridFrame* frame, uint32_t* references)
+                       const LsGridFrame* frame, uint64_t most, uint32_t* references)
 {
     *tree = (LsSubtree){0};
     if (voxel->reference_count <= LS_MASK_TRIANGLES)
@@ -337,8 +343,12 @@ bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
         voxel->kind = kind_by_count(voxel->reference_count);
         return true;
     }
-    Divider divider = {
-        .tree = tree, .mesh = mesh, .frame = frame, .grow = frame->bound * (1.0 + 1e-6)};
+    Divider divider = {.tree = tree,
+                       .mesh = mesh,
+                       .frame = frame,
+                       .grow = frame->bound * (1.0 + 1e-6),
+                       .held = voxel->reference_count,
+                       .most = most};
     Pending root = {.voxel = *voxel,
                     .references = references,
                     .count = voxel->reference_count,

@@ -24,10 +24,11 @@ typedef struct LsSubtree
 
 // Decides the voxel's kind. `references` is the voxel's list, sorted; a BVH leaf permutes it. A
 // voxel that is divided loses its own references (reference_count becomes 0). Division ends at the
-// frame's depth, and where the children together would hold more than four times the references, or
-// none of them clearly fewer. False when out of memory.
+// frame's depth, where the children together would hold more than four times the references, or
+// none of them clearly fewer, and where the tree would hold more than `most` in all. False when out of
+// memory.
 bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
-                       const LsGridFrame* frame, uint32_t* references);
+                       const LsGridFrame* frame, uint64_t most, uint32_t* references);
 void ls_subtree_destroy(LsSubtree* tree);
 
 #endif

@@ -22,6 +22,9 @@
 #define CROWDED_TRIANGLE 16
 #define CROWDED_CELL 8
 
+// With its sub-grids an object may hold so many times as many.
+#define CROWDED_SUBGRIDS 2
+
 // How far the stage is when voxels begin and end to be divided; this and the table in `run` are measured
 // on a scanned model (the Stanford dragon, 512 cells).
 #define DIVIDE_BEGIN 0.45
@@ -252,6 +255,14 @@ static LsResult find_blocks(Build* build, LsError* error)
     return build->grid_blocks < (1u << 26) ? LS_OK : report_limit(error, "filled blocks");
 }
 
+// References that a grid of so many filled cells may hold and not be crowded.
+static uint64_t count_bearable(const LsMesh* mesh, uint64_t filled)
+{
+    const uint64_t few = CROWDED_TRIANGLE * (uint64_t)mesh->triangle_count;
+    const uint64_t by_cells = CROWDED_CELL * filled;
+    return few > by_cells ? few : by_cells;
+}
+
 // Counts, sums and fills the references of the grid's cells.
 static LsResult fill_cells(Build* build, LsError* error)
 {
@@ -264,9 +275,7 @@ static LsResult fill_cells(Build* build, LsError* error)
         return report_memory(error);
     }
     // Beyond this the grid is crowded, whatever the number of filled cells.
-    const uint64_t few = CROWDED_TRIANGLE * (uint64_t)build->mesh->triangle_count;
-    const uint64_t all = CROWDED_CELL * (uint64_t)slots;
-    build->most = build->may_be_crowded ? UINT64_MAX : (few > all ? few : all) + 1;
+    build->most = build->may_be_crowded ? UINT64_MAX : count_bearable(build->mesh, slots) + 1;
     visit_all(build, 1.0, cells, count_cell);
     uint64_t sum = 0, filled = 0;
     for (size_t i = 0; i < slots; i++)
@@ -278,7 +287,7 @@ static LsResult fill_cells(Build* build, LsError* error)
     }
     build->first[slots] = (uint32_t)sum;
     build->grid_references = sum;
-    build->crowded = !build->may_be_crowded && sum > few && sum > CROWDED_CELL * filled;
+    build->crowded = !build->may_be_crowded && sum > count_bearable(build->mesh, filled);
     build->most = UINT64_MAX;
     if (build->crowded)
     {
@@ -351,6 +360,9 @@ static LsResult list_grid_voxels(Build* build, LsError* error)
 static LsResult divide_voxels(Build* build, LsError* error)
 {
     LsVoxels* out = build->out;
+    // Voxels share evenly in what the object may hold.
+    const double growth = CROWDED_SUBGRIDS * (double)count_bearable(build->mesh, out->voxel_count) /
+                          ((double)build->grid_references + 1.0);
     bool ok = true;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(build->threads) reduction(&& : ok)
     for (uint32_t i = 0; i < out->voxel_count; i++)
@@ -364,8 +376,9 @@ static LsResult divide_voxels(Build* build, LsError* error)
         LsWorkVoxel* voxel = &out->voxels[i];
         uint32_t* references = build->references + voxel->first_reference;
         sort_words(references, voxel->reference_count);
-        ok = ok &&
-             ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, references);
+        const uint64_t most = (uint64_t)(growth * voxel->reference_count);
+        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, most,
+                                     references);
     }
     return ok ? LS_OK : report_memory(error);
 }
@@ -583,6 +596,39 @@ static LsResult run(Build* build, LsError* error)
     return result;
 }
 
+// References that a grid will hold, on average over where its cells begin: by Steiner's formula for boxes a
+// convex body in the plane meets 1 cell, and one for each cell of its extents along the axes and
+// of the areas of its projections along them.
+static double expect_references(const LsMesh* mesh, const uint8_t* copies, const LsGridFrame* frame)
+{
+    double extents = 0.0, areas = 0.0, count = 0.0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    {
+        if (copies[i])
+        {
+            continue;
+        }
+        const LsOverlap triangle = prepare_triangle(frame, &mesh->triangles[i]);
+        for (int axis = 0; axis < 3; axis++)
+        {
+            extents += triangle.upper[axis] - triangle.lower[axis];
+            areas += 0.5 * fabs(triangle.normal[axis]);
+        }
+        count += 1.0;
+    }
+    return count + extents + areas;
+}
+
+// Whether a grid will be crowded, were all of its cells filled, or hold more than the format counts. Found
+// out without a visit to its cells, which may be very many.
+static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t grid)
+{
+    const LsGridFrame frame = ls_grid_frame(mesh, grid);
+    const uint64_t cells = (uint64_t)frame.cells[0] * frame.cells[1] * frame.cells[2];
+    const double expected = expect_references(mesh, copies, &frame);
+    return expected > UINT32_MAX || expected > (double)count_bearable(mesh, cells);
+}
+
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
 static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
                          uint8_t* copies, uint32_t threads, const LsStageProgress* progress,
@@ -625,9 +671,14 @@ LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_
     {
         return report_memory(error);
     }
+    uint32_t cells = grid;
+    while (cells > 1 && must_be_crowded(mesh, copies, cells))
+    {
+        cells /= 2;
+    }
     bool crowded = true;
     LsResult result = LS_OK;
-    for (uint32_t cells = grid; crowded && result == LS_OK; cells /= 2)
+    for (; crowded && result == LS_OK; cells /= 2)
     {
         result =
             try_grid(voxels, mesh, cells, most_depth, copies, threads, progress, &crowded, error);
