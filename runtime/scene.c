@@ -139,8 +139,10 @@ static void prepare_passes(LsScene* scene, const LsFile* file)
         grid_count += file->objects[i].kind == LS_OBJECT_GRID;
     }
     scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
-    if (index == LS_NONE || grid_count != 1 || scene->top_node_count > MAX_TOP_NODES ||
-        scene->context->shared_lanes == 0)
+    const LsContext* context = scene->context;
+    // On a CPU one pass is faster, and kernels take seconds to compile.
+    const bool is_able = context->shared_lanes != 0 && (!context->is_cpu || context->measures);
+    if (index == LS_NONE || grid_count != 1 || scene->top_node_count > MAX_TOP_NODES || !is_able)
     {
         return;
     }

@@ -101,8 +101,8 @@ extern "C"
     } LsTraceDesc;
 
     // Bytes of scratch memory that a batch of `ray_count` rays can use; 0 where the scene (more than
-    // one instance with a grid, or none) or the device (subgroups that cannot share work) has no use
-    // for it. It need not be initialised.
+    // one instance with a grid, or none) or the device (subgroups that cannot share work; CPUs, but for
+    // contexts that measure) has no use for it. It need not be initialised.
     uint64_t ls_trace_scratch_bytes(const LsScene* scene, uint32_t ray_count);
 
     // Records dispatches that trace the batch. The caller synchronises: rays must be visible to
