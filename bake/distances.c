@@ -115,9 +115,10 @@ enum
 {
     SIDE = LS_BLOCK_SIDE,
     EDGE = SIDE + 1, // with the first cells of the blocks behind
+    WIDE = 8,        // a row of that, filled up to a vector
 };
 
-// The distances of a block's cells, and whether any is below 15: those of others are not kept.
+// The distances of a block's cells.
 typedef struct BlockDistances
 {
     uint8_t d[SIDE][SIDE][SIDE]; // [z][y][x]
@@ -126,8 +127,8 @@ typedef struct BlockDistances
 // A layer of blocks with one row and column more for what lies outside.
 typedef struct Layer
 {
-    BlockDistances* blocks;
-    uint8_t* is_near;
+    BlockDistances* blocks; // where any is below 15
+    uint8_t* is_near;       // whether any is
 } Layer;
 
 typedef struct CellRun
@@ -154,38 +155,46 @@ static void destroy_layer(Layer* layer)
     free(layer->is_near);
 }
 
-// Copies the part of a neighbour that borders on the block: the cells from `low` on to `low` + `count`
-// of the block's own cells and the first ones behind.
-static void copy_border(const Layer* layer, size_t at, uint8_t d[EDGE][EDGE][EDGE],
-                        const uint32_t behind[3])
+// Copies what borders on the block of a neighbour behind it along x, y and z (0 or 1 each; constants).
+static inline __attribute__((always_inline)) void
+copy_border(const Layer* layer, size_t at, uint8_t d[EDGE][EDGE][WIDE], int x, int y, int z)
 {
     if (!layer->is_near[at])
     {
         return;
     }
-    for (uint32_t z = 0; z < (behind[2] ? 1 : SIDE); z++)
+    const BlockDistances* from = &layer->blocks[at];
+    for (int k = 0; k < (z ? 1 : SIDE); k++)
     {
-        for (uint32_t y = 0; y < (behind[1] ? 1 : SIDE); y++)
+        for (int j = 0; j < (y ? 1 : SIDE); j++)
         {
-            for (uint32_t x = 0; x < (behind[0] ? 1 : SIDE); x++)
-            {
-                d[z + SIDE * behind[2]][y + SIDE * behind[1]][x + SIDE * behind[0]] =
-                    layer->blocks[at].d[z][y][x];
-            }
+            memcpy(&d[k + SIDE * z][j + SIDE * y][SIDE * x], from->d[k][j], x ? 1 : SIDE);
         }
     }
 }
 
+static void copy_borders(const CellRun* run, size_t at, uint8_t d[EDGE][EDGE][WIDE])
+{
+    const size_t beside = at + run->row;
+    copy_border(&run->current, at + 1, d, 1, 0, 0);
+    copy_border(&run->current, beside, d, 0, 1, 0);
+    copy_border(&run->current, beside + 1, d, 1, 1, 0);
+    copy_border(&run->above, at, d, 0, 0, 1);
+    copy_border(&run->above, at + 1, d, 1, 0, 1);
+    copy_border(&run->above, beside, d, 0, 1, 1);
+    copy_border(&run->above, beside + 1, d, 1, 1, 1);
+}
+
 // The dynamic program within one block. Says whether any distance is below 15.
-static bool run_cells(uint8_t d[EDGE][EDGE][EDGE], uint64_t filled)
+static bool run_cells(uint8_t d[EDGE][EDGE][WIDE], uint64_t filled)
 {
     uint8_t least = LARGEST;
     for (uint32_t z = SIDE; z-- > 0;)
     {
         for (uint32_t y = SIDE; y-- > 0;)
         {
-            uint8_t minimum[EDGE];
-            find_minimum(d[z][y + 1], d[z + 1][y], d[z + 1][y + 1], EDGE, minimum);
+            uint8_t minimum[WIDE];
+            find_minimum(d[z][y + 1], d[z + 1][y], d[z + 1][y + 1], WIDE, minimum);
             for (uint32_t x = SIDE; x-- > 0;)
             {
                 const uint8_t next =
@@ -212,14 +221,9 @@ static uint64_t mirror_cells(uint64_t filled, uint32_t octant)
 
 static void run_block(const CellRun* run, size_t at, uint32_t word)
 {
-    uint8_t d[EDGE][EDGE][EDGE];
+    uint8_t d[EDGE][EDGE][WIDE];
     memset(d, LARGEST, sizeof d);
-    for (uint32_t n = 1; n < 8; n++)
-    {
-        const uint32_t behind[3] = {n & 1, n >> 1 & 1, n >> 2};
-        copy_border(behind[2] ? &run->above : &run->current, at + behind[0] + run->row * behind[1],
-                    d, behind);
-    }
+    copy_borders(run, at, d);
     const uint64_t filled = is_link(word) ? run->filled[word >> 4] : 0;
     run->current.is_near[at] = run_cells(d, mirror_cells(filled, run->octant));
     BlockDistances* out = &run->current.blocks[at];

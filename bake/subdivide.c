@@ -115,8 +115,11 @@ static bool division_pays(Divider* divider, const Pending* pending, uint32_t cou
         return false;
     }
     memset(counts, 0, sizeof(uint32_t) * LS_BLOCK_CELLS);
+    const uint64_t others = divider->held - pending->count;
+    const uint64_t room = divider->most > others ? divider->most - others : 0;
+    const uint64_t most = 4ull * pending->count < room ? 4ull * pending->count : room;
     uint64_t sum = 0;
-    for (uint32_t i = 0; i < pending->count; i++)
+    for (uint32_t i = 0; i < pending->count && sum <= most; i++)
     {
         double corners[3][3];
         LsOverlap triangle = prepare(divider, pending->references[i], corners);
@@ -133,10 +136,8 @@ static bool division_pays(Divider* divider, const Pending* pending, uint32_t cou
     {
         fewest = counts[c] != 0 && counts[c] < fewest ? counts[c] : fewest;
     }
-    const uint64_t held = divider->held - pending->count + sum;
-    const bool pays = sum != 0 && sum <= 4ull * pending->count && held <= divider->most &&
-                      fewest <= 0.8 * pending->count;
-    divider->held = pays ? held : divider->held;
+    const bool pays = sum != 0 && sum <= most && fewest <= 0.8 * pending->count;
+    divider->held = pays ? others + sum : divider->held;
     return pays;
 }
 
