@@ -4,13 +4,24 @@
 
 #include <math.h>
 
+// Those of the library are calls.
+static double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 LsOverlap ls_overlap_prepare(const double corners[3][3])
 {
     LsOverlap t;
     for (int axis = 0; axis < 3; axis++)
     {
-        t.lower[axis] = fmin(fmin(corners[0][axis], corners[1][axis]), corners[2][axis]);
-        t.upper[axis] = fmax(fmax(corners[0][axis], corners[1][axis]), corners[2][axis]);
+        t.lower[axis] = smaller(smaller(corners[0][axis], corners[1][axis]), corners[2][axis]);
+        t.upper[axis] = larger(larger(corners[0][axis], corners[1][axis]), corners[2][axis]);
     }
     double edges[3][3];
     for (int k = 0; k < 3; k++)
@@ -36,8 +47,8 @@ LsOverlap ls_overlap_prepare(const double corners[3][3])
             t.v[n] = edges[k][u];
             double a = t.u[n] * corners[k][u] + t.v[n] * corners[k][v];
             double b = t.u[n] * corners[(k + 2) % 3][u] + t.v[n] * corners[(k + 2) % 3][v];
-            t.low[n] = fmin(a, b);
-            t.high[n] = fmax(a, b);
+            t.low[n] = smaller(a, b);
+            t.high[n] = larger(a, b);
         }
     }
     return t;
