@@ -129,7 +129,7 @@ static void test_memory_limit(void** state)
     free(memory);
 
     const LsGridFrame frame = {.cells = {4096, 4096, 5}};
-    assert_int_equal(ls_grid_need(&frame), 1024 * 1024 * 2 * 8);
+    assert_int_equal(ls_grid_need(&frame), 1024 * 1024 * 2 * 4);
     LsWorkVoxel voxels[] = {{.kind = LS_VOXEL_MASKS, .reference_count = 9},
                             {.kind = LS_VOXEL_LIST, .reference_count = 9},
                             {.kind = LS_VOXEL_MASKS, .reference_count = 32}};
