@@ -1,12 +1,13 @@
 # The baker and the slow second opinions on it.
 find_package(OpenMP REQUIRED COMPONENTS C)
 
-# Written from the specification alone: the tracer that tests every triangle, the exact polytope test.
-add_library(ls_test_reference STATIC reference/polytope.c reference/ref_trace.c)
+# Written from the specification alone: the tracer that tests every triangle, the judge of answers, the exact polytope test.
+add_library(ls_test_reference STATIC reference/polytope.c reference/ref_layout.c reference/ref_trace.c
+    reference/ref_judge.c)
 target_include_directories(ls_test_reference PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(ls_test_reference PUBLIC ls_format PRIVATE ls_options OpenMP::OpenMP_C m)
 # Debug builds test every triangle too.
-set_source_files_properties(reference/ref_trace.c PROPERTIES
+set_source_files_properties(reference/ref_layout.c reference/ref_trace.c reference/ref_judge.c PROPERTIES
     COMPILE_OPTIONS "-O3;-fno-trapping-math;-fno-math-errno")
 
 # Meshes, the files baked from them, and rays for those.

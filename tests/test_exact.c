@@ -12,7 +12,7 @@
 #include "gpu.h"
 #include "ray_sets.h"
 #include "reference/ref_embree.h"
-#include "reference/ref_trace.h"
+#include "reference/ref_judge.h"
 #include "test_random.h"
 
 #include <math.h>

@@ -2,7 +2,7 @@
 
 #include "meshes.h"
 #include "ray_sets.h"
-#include "reference/ref_trace.h"
+#include "reference/ref_judge.h"
 
 #include <math.h>
 #include <setjmp.h>
