@@ -101,8 +101,11 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
     return false;
 }
 
-// Lanes of a subgroup, if the two-pass kernels can use it: 32 at most, since they keep a bit a lane in a word.
-static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* subgroups)
+// Lanes of a subgroup, if the two-pass kernels can use it: 32 at most, since they keep a bit a lane in a word, and
+// always as many, since they take a group of that size for one subgroup. Devices before Vulkan 1.3 do not say
+// whether it is so; `sizes` is zero for them.
+static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* subgroups,
+                                   const VkPhysicalDeviceSubgroupSizeControlProperties* sizes)
 {
     const VkSubgroupFeatureFlags wanted =
         VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
@@ -110,7 +113,8 @@ static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* sub
         VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
     const uint32_t size = subgroups->subgroupSize;
     const bool is_able = (subgroups->supportedStages & VK_SHADER_STAGE_COMPUTE_BIT) != 0 &&
-                         (subgroups->supportedOperations & wanted) == wanted;
+                         (subgroups->supportedOperations & wanted) == wanted &&
+                         sizes->minSubgroupSize == size && sizes->maxSubgroupSize == size;
     return is_able && size >= 4 && size <= 32 && (size & (size - 1)) == 0 ? size : 0;
 }
 
@@ -118,8 +122,12 @@ static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* sub
 static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk,
                                LsContext* context, LsError* error)
 {
+    VkPhysicalDeviceSubgroupSizeControlProperties subgroup_sizes = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES,
+    };
     VkPhysicalDeviceMaintenance4Properties buffers = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_4_PROPERTIES,
+        .pNext = &subgroup_sizes,
     };
     VkPhysicalDeviceDriverProperties driver = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DRIVER_PROPERTIES,
@@ -156,7 +164,7 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
     context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
     context->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-    context->shared_lanes = count_shared_lanes(&subgroups);
+    context->shared_lanes = count_shared_lanes(&subgroups, &subgroup_sizes);
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];
 
     // The device must have been created with it; that it could have been is all one can ask

@@ -181,6 +181,18 @@ static void VKAPI_CALL fake_GetPhysicalDeviceProperties2(VkPhysicalDevice physic
             ((VkPhysicalDeviceMaintenance3Properties*)next)->maxMemoryAllocationSize =
                 ls_fake_vulkan.max_allocation_bytes;
         }
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES &&
+            ls_fake_vulkan.lanes)
+        {
+            ((VkPhysicalDeviceSubgroupProperties*)next)->subgroupSize = ls_fake_vulkan.lanes;
+        }
+        if (next->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_PROPERTIES &&
+            ls_fake_vulkan.lanes)
+        {
+            VkPhysicalDeviceSubgroupSizeControlProperties* sizes = (void*)next;
+            sizes->minSubgroupSize = ls_fake_vulkan.least_lanes;
+            sizes->maxSubgroupSize = ls_fake_vulkan.most_lanes;
+        }
     }
 }
 

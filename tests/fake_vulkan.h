@@ -27,6 +27,7 @@ typedef struct LsFakeVulkan
     uint32_t api_version;
     uint32_t max_group_count;
     VkDeviceSize max_allocation_bytes;
+    uint32_t lanes, least_lanes, most_lanes; // of a subgroup; all or none
     bool separate_memory; // device memory that the host does not see, as a graphics card has
 
     // Observed.

@@ -5,7 +5,9 @@ add_library(ls_test_gpu STATIC gpu.c)
 target_include_directories(ls_test_gpu PUBLIC ${CMAKE_CURRENT_SOURCE_DIR})
 target_link_libraries(ls_test_gpu PUBLIC ls_app PRIVATE ls_options PkgConfig::CMOCKA)
 
-ls_add_test(NAME test_runtime SOURCES test_runtime.c fake_vulkan.c small_scenes.c
+ls_add_test(NAME test_runtime SOURCES test_runtime.c runtime_fixture.c small_scenes.c
+    LIBRARIES ls_test_gpu ls_format_write)
+ls_add_test(NAME test_devices SOURCES test_devices.c runtime_fixture.c fake_vulkan.c small_scenes.c
     LIBRARIES ls_test_gpu ls_format_write)
 ls_add_test(NAME test_lstrace SOURCES test_lstrace.c small_scenes.c
     LIBRARIES ls_format_write ARGS $<TARGET_FILE:lstrace>)
@@ -16,8 +18,8 @@ add_dependencies(test_lstrace lstrace)
 add_test(NAME test_lsbench COMMAND ${PROJECT_SOURCE_DIR}/tests/test_lsbench.sh
     $<TARGET_FILE:lsbake> $<TARGET_FILE:lsbench> ${PROJECT_SOURCE_DIR}/scenes)
 
-# llvmpipe (Mesa 22.3) leaks as it is unloaded, from where no suppression can name it any more. test_runtime counts the
+# llvmpipe (Mesa 22.3) leaks as it is unloaded, from where no suppression can name it any more. test_devices counts the
 # library's Vulkan objects by itself.
 if(LS_SANITIZE MATCHES address)
-    set_tests_properties(test_runtime test_lstrace test_lsbench PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
+    set_tests_properties(test_runtime test_devices test_lstrace test_lsbench PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
 endif()
