@@ -59,8 +59,7 @@ bool ls_local_ray_finish(inout LsLocalRay local, float tmin, float tmax)
     local.s0 = 0.0;
     local.smin = tmin * local.scale;
     local.smax = tmax * local.scale;
-    vec3 size = abs(local.direction);
-    local.major = size.x >= size.y && size.x >= size.z ? 0u : (size.y >= size.z ? 1u : 2u);
+    local.major = ls_max_axis(abs(local.direction));
     local.first_triangle =
         LS_FIRST(LsObjectArray(ls_scene.objects).at[local.object].first_triangle);
     bool near = ls_move_far_origin(local);
@@ -116,6 +115,7 @@ bool ls_carry_ray(LsRay ray, uint index, float tmax, uint flags, out LsLocalRay 
 // Tests the triangles of a list. True if the ray may end.
 bool ls_test_list(inout LsLocalRay ray, inout LsBest best, uint count)
 {
+    ls_work.z += count;
     uint first = 0u;
     for (; first < count; first += 32u)
     {
@@ -140,7 +140,6 @@ bool ls_test_list(inout LsLocalRay ray, inout LsBest best, uint count)
         ls_cut = ls_cut || int(left | (0u - left)) < 0;
     }
     ls_cut = ls_cut || int(first - count) < 0;
-    ls_work.z += count;
     return false;
 }
 

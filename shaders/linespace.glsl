@@ -24,6 +24,7 @@ const uint LS_MAX_ROUNDS = 1u << 24;
 bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_reference, uint mask)
 {
     LsWordArray references = LsWordArray(ls_scene.references);
+    ls_work.z += bitCount(mask);
     uint left = LS_DEFERS != 0u ? 0u : mask;
     mask = LS_DEFERS != 0u ? mask : 0u;
     while (mask != 0u)

@@ -15,22 +15,8 @@ layout(push_constant, std430) uniform Push
 };
 
 #define ls_scene params.scene
+#include "batch.glsl"
 #include "linespace.glsl"
-
-layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer RayArray
-{
-    LsRay at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 16) writeonly buffer HitArray
-{
-    LsHit at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer MaskArray
-{
-    uint at[];
-};
 
 void main()
 {
@@ -39,7 +25,7 @@ void main()
     {
         return;
     }
-    uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
+    uint mask = get_mask(params.masks, index);
     LsRay ray = RayArray(params.rays).at[index];
     LsHit hit = ls_trace_ray(ray, mask, params.flags);
     if (LS_METHOD == LS_METHOD_COUNT)

@@ -26,18 +26,8 @@ layout(push_constant, std430) uniform Push
 };
 
 #define ls_scene params
+#include "batch.glsl"
 #include "walk.glsl"
-
-layout(buffer_reference, std430, buffer_reference_align = 16) buffer HitArray
-{
-    LsHit at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 16) buffer Queue
-{
-    LsTraceQueue head;
-    LsGridRay rays[];
-};
 
 #define LANES gl_WorkGroupSize.x
 const uint FEWEST_IDLE = LANES / 4u;  // lanes that wait before they fetch rays together

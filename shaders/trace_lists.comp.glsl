@@ -20,28 +20,8 @@ layout(push_constant, std430) uniform Push
 };
 
 #define ls_scene params
+#include "batch.glsl"
 #include "instance.glsl"
-
-layout(buffer_reference, std430, buffer_reference_align = 16) readonly buffer RayArray
-{
-    LsRay at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 16) writeonly buffer HitArray
-{
-    LsHit at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer MaskArray
-{
-    uint at[];
-};
-
-layout(buffer_reference, std430, buffer_reference_align = 16) buffer Queue
-{
-    LsTraceQueue head;
-    LsGridRay rays[];
-};
 
 bool sees(uint instance, uint mask)
 {
@@ -54,7 +34,6 @@ bool trace_lists(LsRay ray, uint mask, inout LsBest best, out bool meets_grid)
 {
     meets_grid = params.top_node_count == 0u && sees(params.grid_instance, mask);
     LsBvhNodeArray nodes = LsBvhNodeArray(params.top_nodes);
-    LsInstanceArray instances = LsInstanceArray(params.instances);
     vec3 inverse = ls_inverse_direction(ray.direction);
     float pad = params.transform_bound * ls_max_component(abs(ray.origin));
     uint grid_node = LS_NONE;
@@ -132,7 +111,7 @@ void main()
     if (index < params.ray_count)
     {
         LsRay ray = RayArray(params.rays).at[index];
-        uint mask = params.masks == uvec2(0) ? 255u : MaskArray(params.masks).at[index];
+        uint mask = get_mask(params.masks, index);
         ls_cut = false;
         bool legal = ls_ray_is_legal(ray);
         float scale = ls_scale_ray(ray);

@@ -46,6 +46,16 @@ float ls_min_component(vec3 v)
     return min(min(v.x, v.y), v.z);
 }
 
+uint ls_min_axis(vec3 v)
+{
+    return v.x <= v.y && v.x <= v.z ? 0u : (v.y <= v.z ? 1u : 2u);
+}
+
+uint ls_max_axis(vec3 v)
+{
+    return v.x >= v.y && v.x >= v.z ? 0u : (v.y >= v.z ? 1u : 2u);
+}
+
 // Whether a component is that of an axis. Selecting by it, rather than by an index that is known at run
 // time only, keeps vectors in registers.
 bvec3 ls_is_axis(uint axis)

@@ -45,8 +45,8 @@ struct LsWalk
     uint level;
     uint block;     // cell block of the sub-grid
     uint leaf_node; // where a voxel's BVH goes on; 0: at its root
-    uint
-        first_reference; // what is to be tested before the next step: bit k is reference k from here on
+    // What is to be tested before the next step: bit k is reference first_reference + k.
+    uint first_reference;
     uint mask;
 };
 
@@ -106,16 +106,6 @@ bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
     uvec3 at = uvec3(walk.cell ^ ls_mirror(walk.mirror)); // of cells below 0, greater than any size
     bool outside = any(greaterThanEqual(at, grid.cells));
     return ray.smax < s_end || (outside && (LS_HAS_SUBGRIDS == 0u || walk.level == 0u));
-}
-
-uint ls_min_axis(vec3 v)
-{
-    return v.x <= v.y && v.x <= v.z ? 0u : (v.y <= v.z ? 1u : 2u);
-}
-
-uint ls_max_axis(vec3 v)
-{
-    return v.x >= v.y && v.x >= v.z ? 0u : (v.y >= v.z ? 1u : 2u);
 }
 
 // Patch index on the face of `axis` of a point in the voxel's coordinates, clamped onto it.
@@ -206,7 +196,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         cell_size = uintBitsToFloat((127u - 2u * walk.level) << 23);
     }
     walk.mask = 0u;
-    ls_work.x++;
+    ls_work.x += walk.leaf_node == 0u ? 1u : 0u; // else it is a cell that was begun before
 
     // What stands here: an empty cube, which begins at `base` and grows with the ray, or a voxel.
     uint word = 0u;
@@ -292,7 +282,6 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
                                        point_in - vec3(cell), axis_out, point_out - vec3(cell));
             ls_work.y++;
         }
-        ls_work.z += bitCount(walk.mask);
     }
 
     // Step through the plane of axis_out; along the other axes the ray stays within the cube.

@@ -168,11 +168,11 @@ foreach(user IN LISTS users)
 endforeach()
 check_users(${SCRATCH_DIR}/pkgconfig)
 
-# A shader on the installed includes alone.
+# A shader on the installed includes alone: batch.glsl is its own.
 if(RUNTIME)
     run(${PKG_CONFIG} --variable=shaderdir linespace-runtime)
     string(STRIP "${printed}" shaders)
-    file(COPY ${SOURCE_DIR}/shaders/trace.comp.glsl DESTINATION ${SCRATCH_DIR})
+    file(COPY ${SOURCE_DIR}/shaders/trace.comp.glsl ${SOURCE_DIR}/shaders/batch.glsl DESTINATION ${SCRATCH_DIR})
     run(${GLSLANG} -V --quiet --target-env vulkan1.2 -S comp -I${shaders} -o ${SCRATCH_DIR}/trace.spv
         ${SCRATCH_DIR}/trace.comp.glsl)
 endif()
