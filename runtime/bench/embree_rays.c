@@ -7,6 +7,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 
+bool ls_embree_rays_are_built(void)
+{
+    return true;
+}
+
 struct LsEmbreeRays
 {
     RTCDevice device;
@@ -140,6 +145,11 @@ double ls_embree_rays_trace(const LsEmbreeRays* embree, const LsRay* rays, uint3
 }
 
 #else
+
+bool ls_embree_rays_are_built(void)
+{
+    return false;
+}
 
 LsEmbreeRays* ls_embree_rays_create(const LsFile* file, uint32_t threads)
 {

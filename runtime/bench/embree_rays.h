@@ -11,7 +11,10 @@
 // All instances of a file as one Embree scene.
 typedef struct LsEmbreeRays LsEmbreeRays;
 
-// NULL when out of memory, or when lsbench was built without Embree.
+// Whether lsbench was built with Embree; without it none can be created.
+bool ls_embree_rays_are_built(void);
+
+// NULL when out of memory.
 LsEmbreeRays* ls_embree_rays_create(const LsFile* file, uint32_t threads);
 void ls_embree_rays_destroy(LsEmbreeRays* embree); // NULL is allowed
 

@@ -62,11 +62,12 @@ typedef struct Options
 typedef struct Row
 {
     double seconds[MAX_REPEATS]; // rising
+    double median_seconds;
     uint32_t ray_count;
     uint32_t hit_count;
     uint32_t checked_count;
     uint32_t differing_count;
-    double embree_seconds; // median
+    double embree_median_seconds;
     uint32_t embree_hit_count;
     double cells, shafts, tests; // walked, looked up, tested by a ray on average
 } Row;
@@ -185,6 +186,11 @@ static LsExit parse_options(int argc, char** argv, Options* options, bool* done)
                                     "--embree takes a number of threads from 1 to 1024, not ",
                                     optarg);
             }
+            if (!ls_embree_rays_are_built())
+            {
+                return refuse_usage(LS_MESSAGE_LSBENCH_VALUE,
+                                    "--embree needs an lsbench that was built with Embree", "");
+            }
             break;
         case DEVICE:
             options->device_name = optarg;
@@ -217,6 +223,13 @@ static int compare_doubles(const void* a, const void* b)
 {
     const double x = *(const double*)a, y = *(const double*)b;
     return (x > y) - (x < y);
+}
+
+// Sorts the times of all runs.
+static double find_median(double* seconds, uint32_t count)
+{
+    qsort(seconds, count, sizeof *seconds, compare_doubles);
+    return 0.5 * (seconds[(count - 1) / 2] + seconds[count / 2]);
 }
 
 static LsResult open_bench(Bench* bench, const Options* options, LsError* error)
@@ -271,7 +284,7 @@ static LsResult time_class(Bench* bench, LsRayClass class, const Options* option
     }
     if (result == LS_OK)
     {
-        qsort(row->seconds, options->repeats, sizeof *row->seconds, compare_doubles);
+        row->median_seconds = find_median(row->seconds, options->repeats);
         memcpy(bench->hits, bench->tracer.hits, row->ray_count * sizeof(LsHit));
         for (uint32_t i = 0; i < row->ray_count; i++)
         {
@@ -314,7 +327,7 @@ static LsResult check_class(Bench* bench, LsRayClass class, const Options* optio
     return result;
 }
 
-// What the rays of a class, which are still in the tracer, have to do. Rays of any hit stop at their first.
+// What the rays of a class have to do. Rays of any hit stop at their first.
 static LsResult count_work(Bench* bench, LsRayClass class, LsError* error)
 {
     Row* row = &bench->rows[class];
@@ -340,8 +353,7 @@ static LsResult time_embree(Bench* bench, const Options* options, LsError* error
     LsEmbreeRays* embree = ls_embree_rays_create(&bench->scene.file, options->embree_threads);
     if (embree == NULL)
     {
-        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
-                            "out of memory for Embree, or lsbench was built without it");
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for Embree");
     }
     for (int class = 0; class < LS_RAY_CLASS_COUNT; class ++)
     {
@@ -353,9 +365,7 @@ static LsResult time_embree(Bench* bench, const Options* options, LsError* error
                 ls_embree_rays_trace(embree, bench->rays[class], row->ray_count,
                                      class == LS_SHADOW_RAYS, &row->embree_hit_count);
         }
-        qsort(seconds, options->repeats, sizeof *seconds, compare_doubles);
-        row->embree_seconds =
-            0.5 * (seconds[(options->repeats - 1) / 2] + seconds[options->repeats / 2]);
+        row->embree_median_seconds = find_median(seconds, options->repeats);
     }
     ls_embree_rays_destroy(embree);
     return LS_OK;
@@ -410,12 +420,11 @@ static uint32_t print_report(const Bench* bench, const Options* options)
     {
         const Row* row = &bench->rows[class];
         const uint32_t n = options->repeats;
-        const double median = 0.5 * (row->seconds[(n - 1) / 2] + row->seconds[n / 2]);
         printf("%-8s %9u %5.1f %% %11.2f %9.3f %9.3f %9.3f %7.2f %7.2f %7.2f   %u of %u\n",
                ls_ray_class_name((LsRayClass) class), row->ray_count,
-               100.0 * row->hit_count / row->ray_count, row->ray_count / median * 1e-6,
-               median * 1e3, row->seconds[0] * 1e3, row->seconds[n - 1] * 1e3, row->cells,
-               row->shafts, row->tests, row->differing_count, row->checked_count);
+               100.0 * row->hit_count / row->ray_count, row->ray_count / row->median_seconds * 1e-6,
+               row->median_seconds * 1e3, row->seconds[0] * 1e3, row->seconds[n - 1] * 1e3,
+               row->cells, row->shafts, row->tests, row->differing_count, row->checked_count);
         differing += row->differing_count;
     }
     for (int class = 0; class < LS_RAY_CLASS_COUNT && options->embree_threads != 0; class ++)
@@ -424,7 +433,7 @@ static uint32_t print_report(const Bench* bench, const Options* options)
         printf("embree   %-8s %u threads: %.1f %% hits, %.2f Mrays/s\n",
                ls_ray_class_name((LsRayClass) class), options->embree_threads,
                100.0 * row->embree_hit_count / row->ray_count,
-               row->ray_count / row->embree_seconds * 1e-6);
+               row->ray_count / row->embree_median_seconds * 1e-6);
     }
     return differing;
 }
