@@ -24,8 +24,8 @@
 #include <sys/resource.h>
 #include <time.h>
 
-// With it and the grid of default_grid the tables are a third of what 3 patches take at their own best grid, at
-// 0.94 to 0.97 times the rays a second (docs/benchmarks.md, "Size of the shaft tables").
+// With it and the grid of default_grid files are a third of what they are with 3 patches at their own best grid, at
+// 0.91 to 0.96 times the shadow and diffuse rays a second and 0.85 to 0.94 times the camera rays (docs/benchmarks.md, "Cells and N: bytes, speed, tests").
 #define DEFAULT_PATCHES 2
 #define DEFAULT_MOST_PATCHES 5
 #define DEFAULT_BYTE_PRICE 0.001

@@ -141,7 +141,7 @@ LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, boo
     *kernel = (LsTraceKernel){0};
     LsResult result = create_layout(context, &kernel->layout, error);
     // All methods now rather than at their first use, which may be on any thread.
-    const uint32_t method_count = context->measures ? LS_METHOD_COUNT_OF : LS_TRACE_GRID;
+    const uint32_t method_count = context->measures ? LS_TRACE_METHOD_COUNT : LS_TRACE_GRID;
     for (uint32_t method = 0; method < method_count && result == LS_OK; method++)
     {
         const KernelDesc desc = describe(context, trace_spv, sizeof(trace_spv), features,
@@ -161,7 +161,7 @@ LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, boo
 
 void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel)
 {
-    for (uint32_t method = 0; method < LS_METHOD_COUNT_OF; method++)
+    for (uint32_t method = 0; method < LS_TRACE_METHOD_COUNT; method++)
     {
         context->vk.DestroyPipeline(context->device, kernel->whole[method], NULL);
     }

@@ -11,13 +11,13 @@
 // Of the first of two passes, whose rays do not wait for each other.
 #define LS_LISTS_GROUP_SIZE 128u
 
-#define LS_METHOD_COUNT_OF 4u // methods: LsMethod
+#define LS_TRACE_METHOD_COUNT 4u // of LsMethod
 
 // The kernels for the files of one set of features. All take push constants of 128 bytes.
 typedef struct LsTraceKernel
 {
     VkPipelineLayout layout;
-    VkPipeline whole[LS_METHOD_COUNT_OF]; // by LsMethod: a ray a thread, LsTraceParams
+    VkPipeline whole[LS_TRACE_METHOD_COUNT]; // by LsMethod: a ray a thread, LsTraceParams
     // Two passes for scenes with one grid, where the device can; else null. First LsListParams, then
     // LsGridParams in groups of context->shared_lanes.
     VkPipeline lists;

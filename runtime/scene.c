@@ -109,22 +109,25 @@ static uint64_t count_brute_rounds(const LsFile* file)
 // Top nodes that every ray of a first pass looks at, one after the other.
 #define MAX_TOP_NODES 64
 
-// The only instance with a grid, or LS_NONE when there are more or none.
+// The instance of a file's only object with a grid, or LS_NONE when there are more or none of either.
 static uint32_t find_grid_instance(const LsFile* file)
 {
+    uint32_t grid_count = 0;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_OBJECTS); i++)
+    {
+        grid_count += file->objects[i].kind == LS_OBJECT_GRID;
+    }
+    uint32_t instance_count = 0;
     uint32_t found = LS_NONE;
     for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
     {
         if (file->objects[file->instances[i].object].kind == LS_OBJECT_GRID)
         {
-            if (found != LS_NONE)
-            {
-                return LS_NONE;
-            }
+            instance_count++;
             found = i;
         }
     }
-    return found;
+    return grid_count == 1 && instance_count == 1 ? found : LS_NONE;
 }
 
 // Whether the scene can be traced in two passes, and then what the second needs to know. Its kernel takes the
@@ -133,16 +136,11 @@ static uint32_t find_grid_instance(const LsFile* file)
 static void prepare_passes(LsScene* scene, const LsFile* file)
 {
     const uint32_t index = find_grid_instance(file);
-    uint32_t grid_count = 0;
-    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_OBJECTS); i++)
-    {
-        grid_count += file->objects[i].kind == LS_OBJECT_GRID;
-    }
     scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
     const LsContext* context = scene->context;
     // On a CPU one pass is faster, and kernels take seconds to compile.
     const bool is_able = context->shared_lanes != 0 && (!context->is_cpu || context->measures);
-    if (index == LS_NONE || grid_count != 1 || scene->top_node_count > MAX_TOP_NODES || !is_able)
+    if (index == LS_NONE || scene->top_node_count > MAX_TOP_NODES || !is_able)
     {
         return;
     }

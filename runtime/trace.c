@@ -5,7 +5,7 @@ static const uint32_t KNOWN_FLAGS =
 
 static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
 {
-    if ((uint32_t)desc->method >= LS_METHOD_COUNT_OF)
+    if ((uint32_t)desc->method >= LS_TRACE_METHOD_COUNT)
     {
         return ls_error_set(error, LS_MESSAGE_TRACE_METHOD, "trace: unknown method %d",
                             (int)desc->method);

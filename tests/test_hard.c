@@ -107,8 +107,8 @@ static void check_mesh(LsHardMeshId id, uint32_t grid)
            (unsigned long long)report.crowded_object_count, hits, differing);
     assert_true(hits > RAYS / 8);
     assert_int_equal(differing, 0);
-    // The grid's own cells hold at most 16 a triangle or 8 a voxel, sub-grids at most four times as many.
-    assert_true(per_triangle <= 4.0 * 16.0 || per_voxel <= 8.0);
+    // The grid's own cells hold at most 16 a triangle or 8 a voxel, sub-grids at most twice as many.
+    assert_true(per_triangle <= 2.0 * 16.0 || per_voxel <= 8.0);
     if (id == LS_HARD_MESH_EDGE)
     {
         assert_int_equal(report.crowded_object_count, 1);

@@ -75,15 +75,15 @@ extern "C"
         // Beside it a rule of make that names all files that were read, for build systems, written when the
         // bake has succeeded or the output is up to date; NULL: none.
         const char* depfile;
-        uint32_t
-            grid; // G: cells along the longest side of an object's box, 1..4096; 0: by triangles
+        // G: cells along the longest side of an object's box, 1..4096; 0: by triangles.
+        uint32_t grid;
         uint32_t patches; // N: patches per voxel side, 1..16, 0: 2; if chosen the most, 1..8, 0: 5
-        bool
-            choose_patches; // by voxel: the N, or no table, of the least tests + byte_price * bytes
-        double byte_price;  // of tables, in triangle tests of a ray in a voxel; 0: 0.001
-        uint32_t threads;   // 0: all processors
-        bool force;         // bake also when the output is up to date
-        bool no_weld;       // vertices of equal position stay apart in the mesh stage
+        // By voxel: the N, or no table, of the least tests + byte_price * bytes.
+        bool choose_patches;
+        double byte_price;    // of tables, in triangle tests of a ray in a voxel; 0: 0.001
+        uint32_t threads;     // 0: all processors
+        bool force;           // bake also when the output is up to date
+        bool no_weld;         // vertices of equal position stay apart in the mesh stage
         bool keep_degenerate; // faces without area are kept; no ray hits them
         LsNormalSource normals;
         double smooth_angle;    // degrees, for LS_NORMALS_SMOOTH

@@ -16,8 +16,8 @@ typedef struct LsAppScene
 } LsAppScene;
 
 // Maps and opens the file, then creates device, context and scene; `device_name` as in
-// LsAppDeviceDesc, `measures` as in LsContextDesc. Errors: those of the calls it makes. After a failure, too, ls_app_scene_close must
-// be called.
+// LsAppDeviceDesc, `measures` as in LsContextDesc. Errors: those of the calls it makes. After a
+// failure, too, ls_app_scene_close must be called.
 LsResult ls_app_scene_open(LsAppScene* scene, const char* path, const char* device_name,
                            bool measures, LsError* error);
 void ls_app_scene_close(LsAppScene* scene); // a zero scene is allowed

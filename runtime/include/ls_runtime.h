@@ -43,8 +43,9 @@ extern "C"
         // Both as the loader gave them; the library links no loader.
         VkInstance instance;
         PFN_vkGetInstanceProcAddr get_instance_proc_addr;
-        bool
-            measures; // scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, which takes time to compile
+        // Scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, and CPUs the kernels of two passes, which
+        // takes time to compile.
+        bool measures;
     } LsContextDesc;
 
     // Errors: DEVICE_FEATURE, DEVICE_MEMORY, DEVICE, MEMORY. On failure *context is NULL.
@@ -76,10 +77,10 @@ extern "C"
     {
         LS_TRACE_EXACT = LS_METHOD_EXACT, // through the Line Space
         LS_TRACE_BRUTE = LS_METHOD_BRUTE, // all triangles, same test; slow
-        LS_TRACE_GRID =
-            LS_METHOD_GRID, // the cells without shafts, to compare; LsContextDesc.measures
-        LS_TRACE_COUNT =
-            LS_METHOD_COUNT, // exact, but hits tell the work (LS_METHOD_COUNT); likewise
+        // Of contexts with LsContextDesc.measures: the cells without shafts, to compare; and exact, but
+        // hits tell the work (LS_METHOD_COUNT).
+        LS_TRACE_GRID = LS_METHOD_GRID,
+        LS_TRACE_COUNT = LS_METHOD_COUNT,
     } LsMethod;
 
     // One batch of rays. Buffers are device addresses from buffers with SHADER_DEVICE_ADDRESS
