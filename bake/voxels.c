@@ -18,9 +18,12 @@
 // A grid is crowded if its cells together hold more references than this for each triangle, and more than
 // that for each filled cell: triangles lie through each other, and finer cells hold hardly fewer of
 // them. Such a grid is halved until it is not, which bounds time and memory. Meshes of one surface
-// hold 1.2 to 3 a triangle, or if their triangles span many cells 1 to 3 a cell.
+// hold 1.2 to 3 a triangle, or if their triangles span many cells 1 to 3 a cell. A surface fills about as many
+// cells as the box's faces have; where triangles fill the box, so many times as many count, since
+// to give each its own cells takes memory by the cube of the grid.
 #define CROWDED_TRIANGLE 16
 #define CROWDED_CELL 8
+#define CROWDED_FACES 4
 
 // With its sub-grids an object may hold so many times as many.
 #define CROWDED_SUBGRIDS 2
@@ -256,11 +259,13 @@ static LsResult find_blocks(Build* build, LsError* error)
 }
 
 // References that a grid of so many filled cells may hold and not be crowded.
-static uint64_t count_bearable(const LsMesh* mesh, uint64_t filled)
+static uint64_t count_bearable(const LsMesh* mesh, const LsGridFrame* frame, uint64_t filled)
 {
-    const uint64_t few = CROWDED_TRIANGLE * (uint64_t)mesh->triangle_count;
-    const uint64_t by_cells = CROWDED_CELL * filled;
-    return few > by_cells ? few : by_cells;
+    const uint64_t x = frame->cells[0], y = frame->cells[1], z = frame->cells[2];
+    const uint64_t faces = CROWDED_FACES * 2 * (x * y + y * z + z * x);
+    const uint64_t by_triangles = CROWDED_TRIANGLE * (uint64_t)mesh->triangle_count;
+    const uint64_t by_cells = CROWDED_CELL * (filled < faces ? filled : faces);
+    return by_triangles > by_cells ? by_triangles : by_cells;
 }
 
 // Counts, sums and fills the references of the grid's cells.
@@ -275,7 +280,9 @@ static LsResult fill_cells(Build* build, LsError* error)
         return report_memory(error);
     }
     // Beyond this the grid is crowded, whatever the number of filled cells.
-    build->most = build->may_be_crowded ? UINT64_MAX : count_bearable(build->mesh, slots) + 1;
+    build->most = build->may_be_crowded
+                      ? UINT64_MAX
+                      : count_bearable(build->mesh, &build->out->frame, slots) + 1;
     visit_all(build, 1.0, cells, count_cell);
     uint64_t sum = 0, filled = 0;
     for (size_t i = 0; i < slots; i++)
@@ -287,7 +294,8 @@ static LsResult fill_cells(Build* build, LsError* error)
     }
     build->first[slots] = (uint32_t)sum;
     build->grid_references = sum;
-    build->crowded = !build->may_be_crowded && sum > count_bearable(build->mesh, filled);
+    build->crowded =
+        !build->may_be_crowded && sum > count_bearable(build->mesh, &build->out->frame, filled);
     build->most = UINT64_MAX;
     if (build->crowded)
     {
@@ -361,7 +369,8 @@ static LsResult divide_voxels(Build* build, LsError* error)
 {
     LsVoxels* out = build->out;
     // Voxels share evenly in what the object may hold.
-    const double growth = CROWDED_SUBGRIDS * (double)count_bearable(build->mesh, out->voxel_count) /
+    const double growth = CROWDED_SUBGRIDS *
+                          (double)count_bearable(build->mesh, &out->frame, out->voxel_count) /
                           ((double)build->grid_references + 1.0);
     bool ok = true;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(build->threads) reduction(&& : ok)
@@ -626,7 +635,7 @@ static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t 
     const LsGridFrame frame = ls_grid_frame(mesh, grid);
     const uint64_t cells = (uint64_t)frame.cells[0] * frame.cells[1] * frame.cells[2];
     const double expected = expect_references(mesh, copies, &frame);
-    return expected > UINT32_MAX || expected > (double)count_bearable(mesh, cells);
+    return expected > UINT32_MAX || expected > (double)count_bearable(mesh, &frame, cells);
 }
 
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.

@@ -31,6 +31,11 @@ target_include_directories(test_shaft_cost PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 ls_add_test(NAME test_voxels SOURCES test_voxels.c
     LIBRARIES ls_test_scenes ls_test_reference)
 
+ls_add_test(NAME test_distances SOURCES test_distances.c LIBRARIES ls_bake)
+target_include_directories(test_distances PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
+ls_add_test(NAME test_crowding SOURCES test_crowding.c hard_meshes.c LIBRARIES ls_test_scenes)
+
 # What the bake does with its inputs before the mesh stage is private to it too.
 foreach(test test_compose test_material_file test_place)
     ls_add_test(NAME ${test} SOURCES ${test}.c compose_fixture.c LIBRARIES ls_bake ls_import)

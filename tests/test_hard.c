@@ -1,4 +1,4 @@
-// Geometry that grids fear: bounded references, and the answers of brute force.
+// Geometry that grids fear: the answers of brute force.
 
 #include "baked.h"
 #include "gpu.h"
@@ -107,16 +107,6 @@ static void check_mesh(LsHardMeshId id, uint32_t grid)
            (unsigned long long)report.crowded_object_count, hits, differing);
     assert_true(hits > RAYS / 8);
     assert_int_equal(differing, 0);
-    // The grid's own cells hold at most 16 a triangle or 8 a voxel, sub-grids at most twice as many.
-    assert_true(per_triangle <= 2.0 * 16.0 || per_voxel <= 8.0);
-    if (id == LS_HARD_MESH_EDGE)
-    {
-        assert_int_equal(report.crowded_object_count, 1);
-    }
-    if (id == LS_HARD_MESH_EQUAL) // copies are not listed
-    {
-        assert_int_equal(report.reference_count, report.voxel_count);
-    }
     ls_gpu_scene_close(&scene);
     ls_bake_report_destroy(&report);
     ls_test_mesh_destroy(&mesh);
