@@ -25,6 +25,10 @@ static bool is_copy(const LsTriangle* a, const LsTriangle* b)
 
 uint8_t* ls_find_copies(const LsMesh* mesh)
 {
+    if (!mesh->may_have_copies)
+    {
+        return calloc((size_t)mesh->triangle_count + 1, 1);
+    }
     uint32_t slots = 16;
     while (slots < 2 * (uint64_t)mesh->triangle_count && slots < 1u << 31)
     {

@@ -251,6 +251,9 @@ LsResult ls_mesh_create(LsMesh* mesh, LsInput* input, uint32_t index, const LsBa
     ls_stage_note(progress, 0.4);
     result = result == LS_OK ? find_faults(&work, threads, findings, error) : result;
     ls_stage_note(progress, 0.8);
+    // Vertices that stay apart and faces without area are not compared there.
+    mesh->may_have_copies =
+        findings->report.duplicate_count > 0 || desc->no_weld || desc->keep_degenerate;
     result = result == LS_OK ? copy_triangles(mesh, &work, desc->keep_degenerate, error) : result;
     ls_stage_note(progress, 0.9);
     if (result == LS_OK)

@@ -18,6 +18,7 @@ typedef struct LsMesh
     uint32_t triangle_count;
     uint32_t face_count;       // of the input, polygons fanned
     uint32_t degenerate_count; // no area
+    bool may_have_copies;      // whether two triangles may have the same corners
     float lower[3];            // bounds of the kept triangles; zero without any
     float upper[3];
     LsLooks looks; // of all faces of the input

@@ -608,33 +608,34 @@ static LsResult run(Build* build, LsError* error)
 // References that a grid will hold, on average over where its cells begin: by Steiner's formula for boxes a
 // convex body in the plane meets 1 cell, and one for each cell of its extents along the axes and
 // of the areas of its projections along them.
-static double expect_references(const LsMesh* mesh, const uint8_t* copies, const LsGridFrame* frame)
+static double expect_references(const LsMesh* mesh, const uint8_t* copies, const LsGridFrame* frame,
+                                uint32_t threads)
 {
-    double extents = 0.0, areas = 0.0, count = 0.0;
+    // Summed as whole numbers, in hundredths, so that the sum does not depend on threads.
+    uint64_t sum = 0;
+#pragma omp parallel for schedule(static) num_threads(threads) reduction(+ : sum)
     for (uint32_t i = 0; i < mesh->triangle_count; i++)
     {
-        if (copies[i])
-        {
-            continue;
-        }
         const LsOverlap triangle = prepare_triangle(frame, &mesh->triangles[i]);
+        double expected = 1.0;
         for (int axis = 0; axis < 3; axis++)
         {
-            extents += triangle.upper[axis] - triangle.lower[axis];
-            areas += 0.5 * fabs(triangle.normal[axis]);
+            expected += triangle.upper[axis] - triangle.lower[axis];
+            expected += 0.5 * fabs(triangle.normal[axis]);
         }
-        count += 1.0;
+        sum += copies[i] ? 0 : (uint64_t)(100.0 * expected);
     }
-    return count + extents + areas;
+    return 0.01 * (double)sum;
 }
 
 // Whether a grid will be crowded, were all of its cells filled, or hold more than the format counts. Found
 // out without a visit to its cells, which may be very many.
-static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t grid)
+static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t grid,
+                            uint32_t threads)
 {
     const LsGridFrame frame = ls_grid_frame(mesh, grid);
     const uint64_t cells = (uint64_t)frame.cells[0] * frame.cells[1] * frame.cells[2];
-    const double expected = expect_references(mesh, copies, &frame);
+    const double expected = expect_references(mesh, copies, &frame, threads);
     return expected > UINT32_MAX || expected > (double)count_bearable(mesh, &frame, cells);
 }
 
@@ -681,7 +682,7 @@ LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_
         return report_memory(error);
     }
     uint32_t cells = grid;
-    while (cells > 1 && must_be_crowded(mesh, copies, cells))
+    while (cells > 1 && must_be_crowded(mesh, copies, cells, threads))
     {
         cells /= 2;
     }

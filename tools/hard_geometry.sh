@@ -7,7 +7,7 @@ bin=build/release/bin
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 declare -A counts=([stadium]=100000 [span]=100000 [cluster]=1000000 [hub]=100000 [edge]=200000 [flat]=1000000
-    [layers]=200000 [equal]=200000 [needles]=50000)
+    [layers]=200000 [equal]=200000 [needles]=1000000)
 printf '%-8s %9s %8s %9s %9s   %s\n' mesh triangles seconds peak file voxels
 (($# > 0)) || set -- stadium span cluster hub edge flat layers equal needles
 for name in "$@"; do
