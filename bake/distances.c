@@ -248,6 +248,14 @@ static void run_block(const CellRun* run, size_t at, uint32_t word)
     }
 }
 
+// Whether distances of the block's cells are wanted: it is filled, or distances below 15 may pass through it
+// on their way to a filled block, which takes one in the octant and one opposite, four blocks away at most.
+static bool is_wanted(uint32_t word, uint32_t octant)
+{
+    return is_link(word) ||
+           ((word >> (4 * octant) & 15u) <= 4 && (word >> (4 * (octant ^ 7)) & 15u) <= 4);
+}
+
 static void run_layer(CellRun* run, uint32_t k)
 {
     const uint32_t nx = run->size[0], ny = run->size[1], nz = run->size[2];
@@ -256,22 +264,13 @@ static void run_layer(CellRun* run, uint32_t k)
     {
         const uint32_t y = run->octant & 2 ? ny - 1 - j : j;
         const uint32_t* line = run->words + (size_t)nx * (y + (size_t)ny * z);
-        const size_t first = run->row * j;
-        uint8_t* near = run->current.is_near + first;
-        const uint8_t* above = run->above.is_near + first;
         for (uint32_t i = nx; i-- > 0;)
         {
             const uint32_t word = line[run->octant & 1 ? nx - 1 - i : i];
-            const uint8_t *beside = near + run->row + i, *both = above + run->row + i;
-            const bool is_far = (near[i + 1] | beside[0] | beside[1] | above[i] | above[i + 1] |
-                                 both[0] | both[1]) == 0;
-            if (is_far && !is_link(word))
+            run->current.is_near[run->row * j + i] = 0;
+            if (is_wanted(word, run->octant))
             {
-                near[i] = 0;
-            }
-            else
-            {
-                run_block(run, first + i, word);
+                run_block(run, run->row * j + i, word);
             }
         }
     }

@@ -15,8 +15,8 @@
 // runs fastest. False when out of memory.
 bool ls_block_distances(const uint32_t size[3], uint32_t* words, uint32_t threads);
 
-// The same for the words of the cell blocks that a table of blocks links to; cells of blocks without a
-// link are empty. Takes time and memory for the table's blocks and the cells near links, not
+// The same for the words of the cell blocks that a table of blocks links to, the table having its distances;
+// cells of blocks without a link are empty. Takes time and memory for the table's blocks and the cells near links, not
 // for all cells. False when out of memory.
 bool ls_cell_distances(const uint32_t size[3], const uint32_t* blocks, LsCellBlock* cell_blocks,
                        uint32_t cell_block_count, uint32_t threads);
