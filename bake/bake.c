@@ -1,6 +1,8 @@
 // bake.c - ls_bake_run: one call per stage, straight down.
 
+#include "choose.h"
 #include "compose.h"
+#include "cost_model.h"
 #include "depfile.h"
 #include "ls_bake.h"
 #include "ls_write.h"
@@ -52,7 +54,9 @@ typedef struct Bake
     LsWorld world;
     LsPack pack;
     uint8_t source_hash[16];
-    LsPatchesChoice choice;
+    LsPatchesChoice patches;
+    bool is_chosen;    // by expected work
+    LsChoice* choices; // of each object
     uint32_t threads;
     LsBakeStage stage; // the one that runs
     double stage_begin;
@@ -71,8 +75,9 @@ static double now(void)
 // Shares of a bake's time, in hundredths, as scanned models of a hundred thousand to a million triangles
 // have them with three patches. They say how the bar moves, nothing else.
 static const double stage_shares[LS_BAKE_STAGE_COUNT] = {
-    [LS_BAKE_STAGE_IMPORT] = 2,     [LS_BAKE_STAGE_MESH] = 2, [LS_BAKE_STAGE_VOXELS] = 18,
-    [LS_BAKE_STAGE_LINESPACE] = 53, [LS_BAKE_STAGE_PACK] = 8, [LS_BAKE_STAGE_WRITE] = 17,
+    [LS_BAKE_STAGE_IMPORT] = 2,  [LS_BAKE_STAGE_MESH] = 2,       [LS_BAKE_STAGE_CHOOSE] = 38,
+    [LS_BAKE_STAGE_VOXELS] = 12, [LS_BAKE_STAGE_LINESPACE] = 30, [LS_BAKE_STAGE_PACK] = 5,
+    [LS_BAKE_STAGE_WRITE] = 11,
 };
 
 // `fraction` of the stage that runs. What is told never falls.
@@ -82,13 +87,15 @@ static void note_progress(Bake* bake, double fraction)
     {
         return;
     }
-    double before = 0.0;
-    for (int i = 0; i < (int)bake->stage; i++)
+    double done = 0.0, all = 0.0;
+    for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
     {
-        before += stage_shares[i];
+        const double share = i == LS_BAKE_STAGE_CHOOSE && !bake->is_chosen ? 0.0 : stage_shares[i];
+        const double part = i == (int)bake->stage ? fmin(fraction, 1.0) : 1.0;
+        done += i <= (int)bake->stage ? share * part : 0.0;
+        all += share;
     }
-    bake->progress =
-        fmax(bake->progress, 0.01 * (before + stage_shares[bake->stage] * fmin(fraction, 1.0)));
+    bake->progress = fmax(bake->progress, done / all);
     bake->desc->progress(bake->desc->progress_user, ls_bake_stage_text(bake->stage),
                          fmin(bake->progress, 1.0));
 }
@@ -153,6 +160,14 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "byte_price %g is not a price",
                             desc->byte_price);
     }
+    if (desc->memory != 0 &&
+        ((desc->patches != 0 && !desc->choose_patches) || desc->byte_price != 0.0))
+    {
+        return ls_error_set(
+            error, LS_MESSAGE_USAGE_CHOICE,
+            "memory chooses patches and their price itself; give neither byte_price "
+            "nor patches, but for the most of them, as auto:N");
+    }
     if ((unsigned)desc->normals > LS_NORMALS_SMOOTH)
     {
         return ls_error_set(error, LS_MESSAGE_USAGE_CHOICE, "normals is %d, which names no source",
@@ -164,14 +179,6 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
                             desc->smooth_angle);
     }
     return ls_compose_check(desc, error);
-}
-
-// Cells along the longest side until there is a cost model: about three and a third triangles' widths of a
-// surface of even triangles.
-static uint32_t default_grid(uint32_t triangle_count)
-{
-    double side = floor(sqrt((double)triangle_count) * 0.3);
-    return side < 4.0 ? 4 : (side > 512.0 ? 512 : (uint32_t)side);
 }
 
 static LsResult check_memory(const Bake* bake, uint64_t needed, const char* what, LsError* error)
@@ -194,7 +201,7 @@ static LsResult hash_source(Bake* bake, LsError* error)
     {
         result = ls_source_files_spare(&bake->files, desc->depfile, error);
     }
-    return result == LS_OK ? ls_source_hash(&bake->files, desc, &bake->choice, bake->threads,
+    return result == LS_OK ? ls_source_hash(&bake->files, desc, &bake->patches, bake->threads,
                                             bake->source_hash, error)
                            : result;
 }
@@ -338,68 +345,184 @@ static void count_kinds(LsBakeReport* report, const LsVoxels* voxels)
     }
 }
 
+static bool is_chosen(const LsBakeDesc* desc)
+{
+    return desc->memory != 0 || (desc->grid == 0 && desc->patches == 0 && !desc->choose_patches);
+}
+
+// Bytes of what tracing reads and no choice alters.
+static uint64_t count_fixed_bytes(const Bake* bake)
+{
+    uint64_t sum = sizeof(LsObject) * (uint64_t)bake->input.mesh_count +
+                   (sizeof(LsInstance) + 2 * sizeof(LsBvhNode)) * bake->input.instance_count;
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        const uint64_t triangles = bake->meshes[i].triangle_count;
+        sum += triangles <= LS_LIST_TRIANGLES ? sizeof(LsTriangle) * triangles : 0;
+    }
+    return sum;
+}
+
+static LsResult choose_grids(Bake* bake, LsError* error)
+{
+    const LsBakeDesc* desc = bake->desc;
+    const uint32_t count = bake->input.mesh_count;
+    bake->choices = calloc(count, sizeof *bake->choices);
+    if (bake->choices == NULL)
+    {
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for %u objects", count);
+    }
+    if (bake->is_chosen)
+    {
+        const uint64_t fixed = count_fixed_bytes(bake);
+        const LsChooseDesc choose = {
+            .memory = desc->memory > fixed ? desc->memory - fixed : desc->memory != 0,
+            .grid = desc->grid,
+            .patches = bake->patches.patches,
+            .threads = bake->threads,
+            .max_memory = desc->max_memory,
+            .scene = desc->inputs[0].path,
+        };
+        bake->part_share = 1.0;
+        const LsStageProgress progress = {.note = note_part, .user = bake};
+        return ls_choose(bake->choices, &bake->input, bake->meshes, &choose, &progress, error);
+    }
+    for (uint32_t i = 0; i < count; i++)
+    {
+        const uint32_t triangles = bake->meshes[i].triangle_count;
+        const uint32_t grid = desc->grid != 0 ? desc->grid : ls_grid_by_triangles(triangles);
+        bake->choices[i].grid = triangles > LS_LIST_TRIANGLES ? grid : 0;
+    }
+    return LS_OK;
+}
+
+static void note_grid(LsBakeReport* report, uint32_t grid)
+{
+    report->least_grid =
+        report->least_grid == 0 || grid < report->least_grid ? grid : report->least_grid;
+    report->most_grid = grid > report->most_grid ? grid : report->most_grid;
+}
+
 static LsResult make_voxels(Bake* bake, LsError* error)
 {
     for (uint32_t i = 0; i < bake->input.mesh_count; i++)
     {
         const LsStageProgress progress = begin_part(bake, i);
+        const LsChoice* choice = &bake->choices[i];
         LsMesh* mesh = &bake->meshes[i];
-        if (mesh->triangle_count <= LS_LIST_TRIANGLES)
+        LsVoxels* voxels = &bake->objects[i].voxels;
+        if (choice->grid == 0)
         {
             bake->report.list_object_count++;
             continue;
         }
-        const uint32_t grid =
-            bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count);
-        const LsGridFrame frame = ls_grid_frame(mesh, grid);
+        const LsGridFrame frame = ls_grid_frame(mesh, choice->grid);
         LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
         if (result == LS_OK)
         {
-            result = ls_voxels_create(&bake->objects[i].voxels, mesh, grid, LS_MAX_DEPTH,
-                                      bake->threads, &progress, error);
+            result = ls_voxels_create(voxels, mesh, choice->grid, LS_MAX_DEPTH, bake->threads,
+                                      &progress, error);
+        }
+        if (result == LS_OK)
+        {
+            bake->objects[i].has_grid = true;
+            result = ls_voxels_order_triangles(voxels, mesh, bake->threads, error);
         }
         if (result != LS_OK)
         {
             return result;
         }
-        bake->objects[i].has_grid = true;
-        bake->report.crowded_object_count += bake->objects[i].voxels.frame.grid < grid;
-        count_voxels(bake, &bake->objects[i].voxels);
+        note_grid(&bake->report, voxels->frame.grid);
+        bake->report.crowded_object_count += voxels->frame.grid < choice->grid;
+        count_voxels(bake, voxels);
     }
     return LS_OK;
 }
 
-static LsResult make_tables(Bake* bake, LsError* error)
+// Of all objects.
+static LsResult make_object_tables(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, &bake->choice);
-    const LsResult allowed = check_memory(bake, needed, "the table of shafts", error);
-    if (allowed != LS_OK)
-    {
-        return allowed;
-    }
-    double visits = 0.0, tests = 0.0;
-    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    LsResult result = LS_OK;
+    for (uint32_t i = 0; i < bake->input.mesh_count && result == LS_OK; i++)
     {
         const LsStageProgress progress = begin_part(bake, i);
         LsBakedObject* object = &bake->objects[i];
+        LsPatchesChoice patches = bake->patches;
         if (!object->has_grid)
         {
             continue;
         }
-        LsResult result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i],
-                                           &bake->choice, bake->threads, &progress, error);
-        if (result != LS_OK)
+        if (bake->is_chosen)
         {
-            return result;
+            patches.byte_price = bake->choices[i].price / ls_cell_visits(&object->voxels.frame);
         }
-        bake->report.shaft_count += object->tables.shaft_count;
-        bake->report.filled_shaft_count += object->tables.filled_count;
-        count_kinds(&bake->report, &object->voxels);
+        ls_tables_destroy(&object->tables);
+        result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i], &patches,
+                                  bake->threads, &progress, error);
+    }
+    return result;
+}
+
+static uint64_t count_memory(const Bake* bake)
+{
+    uint64_t sum = count_fixed_bytes(bake);
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        const LsBakedObject* object = &bake->objects[i];
+        const uint64_t triangles = bake->meshes[i].triangle_count;
+        sum += object->has_grid
+                   ? sizeof(LsTriangle) * triangles + ls_voxels_bytes(&object->voxels) +
+                         sizeof(uint32_t) * (uint64_t)object->tables.word_count
+                   : 0;
+    }
+    return sum;
+}
+
+static void count_tables(Bake* bake)
+{
+    LsBakeReport* report = &bake->report;
+    double visits = 0.0, tests = 0.0;
+    for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+    {
+        const LsBakedObject* object = &bake->objects[i];
+        if (!object->has_grid)
+        {
+            continue;
+        }
+        const double each = ls_cell_visits(&object->voxels.frame);
+        report->shaft_count += object->tables.shaft_count;
+        report->filled_shaft_count += object->tables.filled_count;
+        count_kinds(report, &object->voxels);
         visits += object->tables.visits;
         tests += object->tables.tests;
+        report->steps_per_line += ls_expected_steps(&object->voxels);
+        report->lookups_per_line += object->tables.lookups * each;
+        report->tests_per_line += object->tables.tests * each;
     }
-    bake->report.tests_per_voxel = visits > 0.0 ? tests / visits : 0.0;
-    return LS_OK;
+    report->tests_per_voxel = visits > 0.0 ? tests / visits : 0.0;
+    report->memory_bytes = count_memory(bake);
+}
+
+// The price comes from samples, so what the tables really take may be a little more than the memory allows: then
+// once more, dearer.
+static LsResult make_tables(Bake* bake, LsError* error)
+{
+    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, &bake->patches);
+    LsResult result = check_memory(bake, needed, "the table of shafts", error);
+    result = result == LS_OK ? make_object_tables(bake, error) : result;
+    while (result == LS_OK && bake->desc->memory != 0 && count_memory(bake) > bake->desc->memory)
+    {
+        for (uint32_t i = 0; i < bake->input.mesh_count; i++)
+        {
+            bake->choices[i].price *= 1.005;
+        }
+        result = make_object_tables(bake, error);
+    }
+    if (result == LS_OK)
+    {
+        count_tables(bake);
+    }
+    return result;
 }
 
 // Nothing is written that readers would refuse.
@@ -426,7 +549,7 @@ static LsResult pack_all(Bake* bake, LsError* error)
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,
-                                &bake->world, bake->choice.patches, error);
+                                &bake->world, bake->patches.patches, error);
     }
     if (result == LS_OK)
     {
@@ -482,9 +605,10 @@ static LsResult run_stages(Bake* bake, LsError* error)
     {
         LsBakeStage stage;
         LsResult (*run)(Bake*, LsError*);
-    } stages[] = {{LS_BAKE_STAGE_IMPORT, import_all},  {LS_BAKE_STAGE_MESH, make_meshes},
-                  {LS_BAKE_STAGE_VOXELS, make_voxels}, {LS_BAKE_STAGE_LINESPACE, make_tables},
-                  {LS_BAKE_STAGE_PACK, pack_all},      {LS_BAKE_STAGE_WRITE, write_file}};
+    } stages[] = {{LS_BAKE_STAGE_IMPORT, import_all},     {LS_BAKE_STAGE_MESH, make_meshes},
+                  {LS_BAKE_STAGE_CHOOSE, choose_grids},   {LS_BAKE_STAGE_VOXELS, make_voxels},
+                  {LS_BAKE_STAGE_LINESPACE, make_tables}, {LS_BAKE_STAGE_PACK, pack_all},
+                  {LS_BAKE_STAGE_WRITE, write_file}};
     LsResult result = LS_OK;
     for (size_t i = 0; i < sizeof stages / sizeof *stages && result == LS_OK; i++)
     {
@@ -495,13 +619,14 @@ static LsResult run_stages(Bake* bake, LsError* error)
     return result;
 }
 
-static LsPatchesChoice make_choice(const LsBakeDesc* desc)
+static LsPatchesChoice make_patches(const LsBakeDesc* desc)
 {
-    const uint32_t patches = desc->choose_patches ? DEFAULT_MOST_PATCHES : DEFAULT_PATCHES;
+    const bool chosen = desc->choose_patches || is_chosen(desc);
+    const uint32_t patches = chosen ? DEFAULT_MOST_PATCHES : DEFAULT_PATCHES;
     const double price = desc->byte_price > 0.0 ? desc->byte_price : DEFAULT_BYTE_PRICE;
     return (LsPatchesChoice){.patches = desc->patches != 0 ? desc->patches : patches,
-                             .chosen = desc->choose_patches,
-                             .byte_price = desc->choose_patches ? price : 0.0};
+                             .chosen = chosen,
+                             .byte_price = chosen ? price : 0.0};
 }
 
 static LsResult run(Bake* bake, LsError* error)
@@ -537,7 +662,8 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
         return result;
     }
     Bake bake = {.desc = desc,
-                 .choice = make_choice(desc),
+                 .patches = make_patches(desc),
+                 .is_chosen = is_chosen(desc),
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();
@@ -563,6 +689,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
     }
     free(bake.meshes);
     free(bake.objects);
+    free(bake.choices);
     ls_pack_destroy(&bake.pack);
     ls_world_destroy(&bake.world);
     ls_input_destroy(&bake.input);

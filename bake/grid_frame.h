@@ -28,6 +28,12 @@ typedef struct LsWorkVoxel
     uint32_t table; // sub-grid: its cell block; BVH: first leaf node
 } LsWorkVoxel;
 
+// Kind of a voxel of so many triangles, LS_MASK_TRIANGLES at most.
+static inline uint32_t ls_voxel_kind(uint32_t triangle_count)
+{
+    return triangle_count <= LS_DIRECT_TRIANGLES ? LS_VOXEL_LIST : LS_VOXEL_MASKS;
+}
+
 // The frame of a mesh at `grid` cells along its longest side, with a margin of at least 2 e to
 // every border.
 LsGridFrame ls_grid_frame(const LsMesh* mesh, uint32_t grid);

@@ -174,24 +174,38 @@ double ls_voxel_visits(const LsWorkVoxel* voxel)
     return 1.0 / (double)(1ull << (4 * voxel->level));
 }
 
-double ls_leaf_bvh_tests(const LsBvhNode* nodes, const LsWorkVoxel* voxel)
+// The probability that a line through the voxel meets the node's box in it: their surfaces' ratio.
+static double meets_box(const LsBvhNode* node, const LsWorkVoxel* voxel)
 {
     const double scale = (double)(1u << (2 * voxel->level));
+    const double lower[3] = {node->lower.x, node->lower.y, node->lower.z};
+    const double upper[3] = {node->upper.x, node->upper.y, node->upper.z};
+    double side[3];
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const double low = lower[axis] * scale - voxel->cell[axis];
+        const double high = upper[axis] * scale - voxel->cell[axis];
+        side[axis] = fmax(0.0, fmin(high, 1.0) - fmax(low, 0.0));
+    }
+    return (side[0] * side[1] + side[1] * side[2] + side[2] * side[0]) / 3.0;
+}
+
+double ls_leaf_bvh_tests(const LsBvhNode* nodes, const LsWorkVoxel* voxel)
+{
     double tests = 0.0;
     for (uint32_t i = 0; i < nodes[0].escape; i++)
     {
-        const LsBvhNode* node = &nodes[i];
-        const double lower[3] = {node->lower.x, node->lower.y, node->lower.z};
-        const double upper[3] = {node->upper.x, node->upper.y, node->upper.z};
-        double side[3];
-        for (int axis = 0; axis < 3; axis++)
-        {
-            const double low = lower[axis] * scale - voxel->cell[axis];
-            const double high = upper[axis] * scale - voxel->cell[axis];
-            side[axis] = fmax(0.0, fmin(high, 1.0) - fmax(low, 0.0));
-        }
-        const double area = side[0] * side[1] + side[1] * side[2] + side[2] * side[0];
-        tests += area / 3.0 * (node->leaf & 15);
+        tests += meets_box(&nodes[i], voxel) * (nodes[i].leaf & 15);
     }
     return tests;
+}
+
+double ls_leaf_bvh_boxes(const LsBvhNode* nodes, const LsWorkVoxel* voxel)
+{
+    double boxes = 1.0;
+    for (uint32_t i = 0; i < nodes[0].escape; i++)
+    {
+        boxes += nodes[i].leaf == 0 ? 2.0 * meets_box(&nodes[i], voxel) : 0.0;
+    }
+    return boxes;
 }

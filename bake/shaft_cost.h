@@ -37,6 +37,9 @@ double ls_shaft_tests(const LsShaftWeights* weights, const uint32_t* masks);
 // the voxel with the probability of their surfaces' ratio.
 double ls_leaf_bvh_tests(const LsBvhNode* nodes, const LsWorkVoxel* voxel);
 
+// And the boxes that it looks at: the first, and the two in each box of inner nodes that it meets.
+double ls_leaf_bvh_boxes(const LsBvhNode* nodes, const LsWorkVoxel* voxel);
+
 // How much likelier a ray visits a voxel than one of a whole cell: by its surface.
 double ls_voxel_visits(const LsWorkVoxel* voxel);
 

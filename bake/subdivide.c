@@ -237,11 +237,6 @@ static bool push(Divider* divider, Pending pending)
     return true;
 }
 
-static uint32_t kind_by_count(uint32_t count)
-{
-    return count <= LS_DIRECT_TRIANGLES ? LS_VOXEL_LIST : LS_VOXEL_MASKS;
-}
-
 // The children's voxels, in cell order; those that are crowded themselves wait in the queue.
 static bool make_children(Divider* divider, const Pending* pending, uint32_t block,
                           const uint32_t counts[LS_BLOCK_CELLS])
@@ -263,7 +258,7 @@ static bool make_children(Divider* divider, const Pending* pending, uint32_t blo
         const uint32_t* cell = pending->voxel.cell;
         LsWorkVoxel child = {.cell = {4 * cell[0] + x, 4 * cell[1] + y, 4 * cell[2] + z},
                              .level = pending->voxel.level + 1,
-                             .kind = kind_by_count(counts[c])};
+                             .kind = ls_voxel_kind(counts[c])};
         uint32_t* references = malloc(sizeof(uint32_t) * counts[c]);
         if (references == NULL)
         {
@@ -308,7 +303,7 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     *voxel = pending->voxel;
     if (pending->count <= LS_MASK_TRIANGLES)
     {
-        voxel->kind = kind_by_count(pending->count);
+        voxel->kind = ls_voxel_kind(pending->count);
         return is_grid || append_references(divider, voxel, pending->references, pending->count);
     }
     uint32_t counts[LS_BLOCK_CELLS];
@@ -341,7 +336,7 @@ bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
     *tree = (LsSubtree){0};
     if (voxel->reference_count <= LS_MASK_TRIANGLES)
     {
-        voxel->kind = kind_by_count(voxel->reference_count);
+        voxel->kind = ls_voxel_kind(voxel->reference_count);
         return true;
     }
     Divider divider = {.tree = tree,

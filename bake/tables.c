@@ -2,32 +2,17 @@
 
 #include "tables.h"
 
-#include "linespace.h"
+#include "cost_model.h"
 #include "ls_format.h"
 #include "shaft_cost.h"
+#include "voxel_masks.h"
 
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
-// What a look-up costs, in triangle tests.
-#define LOOKUP_TESTS 1.0
-
 // Medians of 360,000 voxels of bunny and dragon were 0.65 and 0.71 from N = 2 to 3, 0.83 and 0.86 from 3 to 4.
 #define STEP_SHARE 0.8
-
-static void corners_in_voxel(const LsVoxels* voxels, const LsWorkVoxel* voxel,
-                             const LsTriangle* triangle, double corners[3][3])
-{
-    double scale = (double)(1u << (2 * voxel->level));
-    ls_grid_point(&voxels->frame, triangle->v0, corners[0]);
-    ls_grid_point(&voxels->frame, triangle->v1, corners[1]);
-    ls_grid_point(&voxels->frame, triangle->v2, corners[2]);
-    for (int k = 0; k < 9; k++)
-    {
-        corners[k / 3][k % 3] = corners[k / 3][k % 3] * scale - voxel->cell[k % 3];
-    }
-}
 
 // Packs masks of 32 bits a shaft into `width` bits, one behind the other. Returns the number of masks
 // that are not 0.
@@ -64,27 +49,26 @@ typedef struct Worker
     const LsMesh* mesh;
     const LsPatchesChoice* choice;
     const LsShaftWeights* weights; // by N
-    LsShaftScratch* scratch;
+    LsVoxelMasks masks;
     uint32_t* best; // LS_SHAFT_COUNT(choice->patches) words each
     uint32_t* current;
     uint32_t* next;
-    double corners[LS_MASK_TRIANGLES][3][3];
 } Worker;
 
 static bool create_worker(Worker* worker)
 {
     const size_t bytes = sizeof(uint32_t) * LS_SHAFT_COUNT(worker->choice->patches);
-    worker->scratch = ls_shaft_scratch_create();
+    const bool ok = ls_voxel_masks_create(&worker->masks, worker->voxels, worker->mesh);
     worker->best = malloc(bytes);
     worker->current = worker->choice->chosen ? malloc(bytes) : NULL;
     worker->next = worker->choice->chosen ? malloc(bytes) : NULL;
-    return worker->scratch != NULL && worker->best != NULL &&
+    return ok && worker->best != NULL &&
            (!worker->choice->chosen || (worker->current != NULL && worker->next != NULL));
 }
 
 static void destroy_worker(Worker* worker)
 {
-    ls_shaft_scratch_destroy(worker->scratch);
+    ls_voxel_masks_destroy(&worker->masks);
     free(worker->best);
     free(worker->current);
     free(worker->next);
@@ -97,35 +81,13 @@ static void swap_masks(uint32_t** a, uint32_t** b)
     *b = before;
 }
 
-static void mark_voxel(Worker* worker, const LsWorkVoxel* voxel, uint32_t patches, uint32_t* masks)
-{
-    const LsGridFrame* frame = &worker->voxels->frame;
-    const double bound = (double)frame->bound * (double)(1u << (2 * voxel->level));
-    ls_shafts_mark((const double(*)[3][3])worker->corners, voxel->reference_count, bound, patches,
-                   masks, worker->scratch);
-}
-
-// Masks of N = 1 from those of any N: the hull of two faces is the union of the hulls of their patches.
-static void merge_masks(const uint32_t* masks, uint32_t patches, uint32_t merged[15])
-{
-    const uint32_t square = patches * patches;
-    for (uint32_t pair = 0; pair < 15; pair++)
-    {
-        merged[pair] = 0;
-        for (uint32_t i = 0; i < square * square; i++)
-        {
-            merged[pair] |= masks[pair * square * square + i];
-        }
-    }
-}
-
 // Masks of N in `current`; those of 2, which 1 are made of, wait in `next`.
-static void mark_next(Worker* worker, const LsWorkVoxel* voxel, uint32_t patches)
+static void mark_next(Worker* worker, uint32_t patches)
 {
     if (patches == 1 && worker->choice->patches > 1)
     {
-        mark_voxel(worker, voxel, 2, worker->next);
-        merge_masks(worker->next, 2, worker->current);
+        ls_voxel_masks_mark(&worker->masks, 2, worker->next);
+        ls_voxel_masks_merge(worker->next, 2, worker->current);
     }
     else if (patches == 2)
     {
@@ -133,7 +95,7 @@ static void mark_next(Worker* worker, const LsWorkVoxel* voxel, uint32_t patches
     }
     else
     {
-        mark_voxel(worker, voxel, patches, worker->current);
+        ls_voxel_masks_mark(&worker->masks, patches, worker->current);
     }
 }
 
@@ -155,9 +117,9 @@ static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double*
     *tests = count;
     for (uint32_t n = 1; n <= worker->choice->patches; n++)
     {
-        mark_next(worker, voxel, n);
+        mark_next(worker, n);
         const double here = ls_shaft_tests(&worker->weights[n], worker->current);
-        const double cost = visits * (LOOKUP_TESTS + here) + table_price(worker, n, count);
+        const double cost = visits * (LS_LOOKUP_COST + here) + table_price(worker, n, count);
         if (cost < least)
         {
             least = cost;
@@ -198,12 +160,7 @@ static bool reserve_words(LsTableBlock* block, uint64_t count)
 // first word. False when out of memory.
 static bool add_table(Worker* worker, LsTableBlock* block, LsWorkVoxel* voxel, double* tests)
 {
-    const LsVoxels* voxels = worker->voxels;
-    for (uint32_t k = 0; k < voxel->reference_count; k++)
-    {
-        uint32_t reference = voxels->references[voxel->first_reference + k];
-        corners_in_voxel(voxels, voxel, &worker->mesh->triangles[reference], worker->corners[k]);
-    }
+    ls_voxel_masks_begin(&worker->masks, voxel);
     uint32_t patches = worker->choice->patches;
     if (worker->choice->chosen)
     {
@@ -211,12 +168,13 @@ static bool add_table(Worker* worker, LsTableBlock* block, LsWorkVoxel* voxel, d
     }
     else
     {
-        mark_voxel(worker, voxel, patches, worker->best);
+        ls_voxel_masks_mark(&worker->masks, patches, worker->best);
         *tests = ls_shaft_tests(&worker->weights[patches], worker->best);
     }
     if (patches == 0)
     {
         voxel->kind = LS_VOXEL_LIST;
+        voxel->patches = voxel->table = 0;
         return true;
     }
     const uint32_t shafts = LS_SHAFT_COUNT(patches);
@@ -245,6 +203,10 @@ static bool fill_block(Worker* worker, LsTableBlock* block, LsWorkVoxel* first, 
         if (voxel->kind == LS_VOXEL_SUBGRID)
         {
             continue;
+        }
+        if (voxel->kind == LS_VOXEL_LIST) // which another price may have made of it
+        {
+            voxel->kind = ls_voxel_kind(voxel->reference_count);
         }
         if (voxel->kind == LS_VOXEL_BVH)
         {

@@ -41,7 +41,7 @@ typedef struct LsTables
     double tests;
 } LsTables;
 
-// Makes the tables of all voxels of kind MASKS and sets their `patches` and `table`; where a choice
+// Makes the tables of all voxels of kind MASKS, also of those that a former choice made LISTs, and sets their `patches` and `table`; where a choice
 // finds no table worth its bytes, the voxel becomes a LIST. The result does not depend on `threads`.
 // `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS.
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh,

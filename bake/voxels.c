@@ -109,7 +109,7 @@ static void visit_triangle(Visit* visit, const uint32_t limits[3])
 typedef struct Build
 {
     LsVoxels* out;
-    LsMesh* mesh;
+    const LsMesh* mesh;
     uint32_t threads;
     const LsStageProgress* progress;
     double grow;
@@ -538,54 +538,6 @@ static LsResult fill_distances(Build* build, LsError* error)
     return LS_OK;
 }
 
-// Renumbers triangles in the order in which voxels first name them, so that what is tested together
-// lies together.
-static LsResult order_triangles(Build* build, LsError* error)
-{
-    LsVoxels* out = build->out;
-    LsMesh* mesh = build->mesh;
-    uint32_t* renumbered = malloc(sizeof(uint32_t) * mesh->triangle_count);
-    LsTriangle* triangles = malloc(sizeof(LsTriangle) * (size_t)mesh->triangle_count);
-    if (renumbered == NULL || triangles == NULL)
-    {
-        free(renumbered);
-        free(triangles);
-        return report_memory(error);
-    }
-    memset(renumbered, 0xFF, sizeof(uint32_t) * mesh->triangle_count);
-    uint32_t next = 0;
-    for (uint32_t i = 0; i < out->reference_count; i++)
-    {
-        uint32_t* reference = &out->references[i];
-        if (renumbered[*reference] == LS_NONE)
-        {
-            triangles[next] = mesh->triangles[*reference];
-            renumbered[*reference] = next++;
-        }
-        *reference = renumbered[*reference];
-    }
-    for (uint32_t i = 0; i < mesh->triangle_count; i++)
-    {
-        if (renumbered[i] == LS_NONE) // a copy
-        {
-            triangles[next++] = mesh->triangles[i];
-        }
-    }
-    free(renumbered);
-    free(mesh->triangles);
-    mesh->triangles = triangles;
-#pragma omp parallel for schedule(static) num_threads(build->threads)
-    for (uint32_t i = 0; i < out->voxel_count; i++)
-    {
-        const LsWorkVoxel* voxel = &out->voxels[i];
-        if (voxel->kind == LS_VOXEL_LIST || voxel->kind == LS_VOXEL_MASKS)
-        {
-            sort_words(out->references + voxel->first_reference, voxel->reference_count);
-        }
-    }
-    return LS_OK;
-}
-
 static LsResult run(Build* build, LsError* error)
 {
     static const struct
@@ -594,8 +546,7 @@ static LsResult run(Build* build, LsError* error)
         double end;
     } steps[] = {
         {find_blocks, 0.1},          {fill_cells, DIVIDE_BEGIN}, {list_grid_voxels, DIVIDE_BEGIN},
-        {divide_voxels, DIVIDE_END}, {join_subtrees, 0.87},      {fill_distances, 0.95},
-        {order_triangles, 1.0}};
+        {divide_voxels, DIVIDE_END}, {join_subtrees, 0.87},      {fill_distances, 1.0}};
     LsResult result = LS_OK;
     for (size_t i = 0; i < sizeof steps / sizeof *steps && result == LS_OK && !build->crowded; i++)
     {
@@ -640,7 +591,7 @@ static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t 
 }
 
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
-static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
+static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
                          uint8_t* copies, uint32_t threads, const LsStageProgress* progress,
                          bool* crowded, LsError* error)
 {
@@ -672,7 +623,7 @@ static LsResult try_grid(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t
     return result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, LsMesh* mesh, uint32_t grid, uint32_t most_depth,
+LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
                           uint32_t threads, const LsStageProgress* progress, LsError* error)
 {
     *voxels = (LsVoxels){0};
@@ -706,4 +657,57 @@ void ls_voxels_destroy(LsVoxels* voxels)
     free(voxels->references);
     free(voxels->leaf_nodes);
     *voxels = (LsVoxels){0};
+}
+
+uint64_t ls_voxels_bytes(const LsVoxels* voxels)
+{
+    return sizeof(LsCellBlock) * (uint64_t)voxels->cell_block_count +
+           sizeof(LsVoxel) * (uint64_t)voxels->voxel_count +
+           sizeof(LsBvhNode) * (uint64_t)voxels->leaf_node_count +
+           sizeof(uint32_t) *
+               ((uint64_t)voxels->block_count + voxels->subgrid_count + voxels->reference_count);
+}
+
+LsResult ls_voxels_order_triangles(LsVoxels* voxels, LsMesh* mesh, uint32_t threads, LsError* error)
+{
+    uint32_t* renumbered = malloc(sizeof(uint32_t) * mesh->triangle_count);
+    LsTriangle* triangles = malloc(sizeof(LsTriangle) * (size_t)mesh->triangle_count);
+    if (renumbered == NULL || triangles == NULL)
+    {
+        free(renumbered);
+        free(triangles);
+        return report_memory(error);
+    }
+    memset(renumbered, 0xFF, sizeof(uint32_t) * mesh->triangle_count);
+    uint32_t next = 0;
+    for (uint32_t i = 0; i < voxels->reference_count; i++)
+    {
+        uint32_t* reference = &voxels->references[i];
+        if (renumbered[*reference] == LS_NONE)
+        {
+            triangles[next] = mesh->triangles[*reference];
+            renumbered[*reference] = next++;
+        }
+        *reference = renumbered[*reference];
+    }
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    {
+        if (renumbered[i] == LS_NONE) // a copy
+        {
+            triangles[next++] = mesh->triangles[i];
+        }
+    }
+    free(renumbered);
+    free(mesh->triangles);
+    mesh->triangles = triangles;
+#pragma omp parallel for schedule(static) num_threads(threads)
+    for (uint32_t i = 0; i < voxels->voxel_count; i++)
+    {
+        const LsWorkVoxel* voxel = &voxels->voxels[i];
+        if (voxel->kind == LS_VOXEL_LIST || voxel->kind == LS_VOXEL_MASKS)
+        {
+            sort_words(voxels->references + voxel->first_reference, voxel->reference_count);
+        }
+    }
+    return LS_OK;
 }

@@ -34,6 +34,9 @@ ls_add_test(NAME test_voxels SOURCES test_voxels.c
 ls_add_test(NAME test_distances SOURCES test_distances.c LIBRARIES ls_bake)
 target_include_directories(test_distances PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 
+ls_add_test(NAME test_choose SOURCES test_choose.c LIBRARIES ls_test_scenes)
+target_include_directories(test_choose PRIVATE ${PROJECT_SOURCE_DIR}/bake)
+
 ls_add_test(NAME test_crowding SOURCES test_crowding.c hard_meshes.c LIBRARIES ls_test_scenes)
 
 # What the bake does with its inputs before the mesh stage is private to it too.

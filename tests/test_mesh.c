@@ -645,6 +645,7 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
             expect_ok(
                 ls_voxels_create(&objects[i].voxels, &meshes[i], 8, LS_MAX_DEPTH, 1, NULL, &error),
                 &error);
+            expect_ok(ls_voxels_order_triangles(&objects[i].voxels, &meshes[i], 1, &error), &error);
             expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i],
                                        &(LsPatchesChoice){.patches = 1}, 1, NULL, &error),
                       &error);

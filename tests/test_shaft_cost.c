@@ -4,6 +4,7 @@
 #include "baked.h"
 #include "linespace.h"
 #include "reference/polytope.h"
+#include "cost_model.h"
 #include "shaft_cost.h"
 #include "test_random.h"
 
@@ -233,7 +234,7 @@ static Costs read_costs(const LsFile* file)
             masks[k] = ls_mask_read(file->shafts + voxel->table, k, width);
         }
         assert_true(weights[n].shafts != NULL || ls_shaft_weights_create(&weights[n], n));
-        costs.tests[i] = 1.0 + ls_shaft_tests(&weights[n], masks);
+        costs.tests[i] = LS_LOOKUP_COST + ls_shaft_tests(&weights[n], masks);
         costs.bytes[i] = 4.0 * (double)ls_mask_words(LS_SHAFT_COUNT(n), width);
     }
     for (uint32_t n = 0; n <= LS_MAX_CHOSEN_PATCHES; n++)
@@ -300,7 +301,8 @@ static void choices_are_the_best(void** state)
                       sum, least, (unsigned long long)baked.report.voxel_kind_count[LS_VOXEL_LIST],
                       baked.report.tests_per_voxel);
         assert_true(sum <= 1.005 * least);
-        const double lookups = (double)baked.report.voxel_kind_count[LS_VOXEL_MASKS];
+        const double lookups =
+            LS_LOOKUP_COST * (double)baked.report.voxel_kind_count[LS_VOXEL_MASKS];
         assert_true(fabs((tests - lookups) / chosen.count - baked.report.tests_per_voxel) < 1e-6);
         free_costs(&chosen);
         ls_baked_close(&baked);

@@ -42,10 +42,14 @@ const char ls_bake_help[] =
     "                         to which neighbouring faces are smoothed\n"
     "\n"
     "Line Space:\n"
-    "      --grid G           cells along the longest side of each object's box, 1 to 4096\n"
-    "                         (default: 0.3 times the root of its triangle count, 4 to 512)\n"
-    "      --patches N        patches along a voxel's edge, 1 to 16 (default 2); auto: chosen for\n"
-    "                         each voxel, up to 5; auto:N up to N, 1 to 8\n"
+    "      --memory S         of what tracing takes on the device, in bytes or with K, M or G behind:\n"
+    "                         cells and patches are chosen to trace fastest within it (default: as\n"
+    "                         much as pays)\n"
+    "      --grid G           cells along the longest side of each object's box, 1 to 4096; without\n"
+    "                         --memory patches are then 2 unless given\n"
+    "      --patches N        patches along a voxel's edge, 1 to 16; auto: chosen for each voxel,\n"
+    "                         up to 5; auto:N up to N, 1 to 8. Without --memory cells are then 0.3\n"
+    "                         times the root of an object's triangle count, unless given\n"
     "      --byte-price F     with auto: what a byte of a table must save, in triangle tests of a\n"
     "                         ray in the voxel (default 0.001)\n"
     "\n"
@@ -245,6 +249,8 @@ static const Option options[] = {
     {"--keep-degenerate", NULL, BAKE(keep_degenerate), FLAG},
     {"--normals", NULL, SCOPE_BAKE, 0, read_normals, "input, none or an angle from 0 to 180",
      LS_MESSAGE_USAGE_CHOICE, 0, 180},
+    {"--memory", NULL, BAKE(memory), read_bytes,
+     NUMBER("a whole number of bytes above 0, with K, M or G behind or none"), 0, 0},
     {"--grid", NULL, BAKE(grid), read_uint32, NUMBER("a whole number from 1 to 4096"), 1,
      LS_MAX_CELLS},
     {"--patches", NULL, SCOPE_BAKE, 0, read_patches,

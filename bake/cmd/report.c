@@ -91,6 +91,14 @@ static void print_patches(const LsBakeReport* report)
     {
         return;
     }
+    printf("  grids of %u", report->least_grid);
+    if (report->most_grid > report->least_grid)
+    {
+        printf(" to %u", report->most_grid);
+    }
+    printf(" cells, for tracing %.1f MB; expected of a line: %.1f steps, %.1f masks, %.1f tests\n",
+           (double)report->memory_bytes * 1e-6, report->steps_per_line, report->lookups_per_line,
+           report->tests_per_line);
     printf("  expected triangle tests in a voxel %.2f", report->tests_per_voxel);
     const char* before = "; voxels by N:";
     for (uint32_t n = 1; n <= LS_MAX_PATCHES; n++)
@@ -251,6 +259,9 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
             {"degenerate_faces", (double)report->degenerate_count},
             {"dropped_faces", (double)report->dropped_count},
             {"triangles", (double)report->triangle_count},
+            {"least_grid", report->least_grid},
+            {"most_grid", report->most_grid},
+            {"memory_bytes", (double)report->memory_bytes},
             {"cells", (double)report->cell_count},
             {"cell_blocks", (double)report->cell_block_count},
             {"voxels", (double)report->voxel_count},
@@ -264,6 +275,9 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
             {"shafts", (double)report->shaft_count},
             {"filled_shafts", (double)report->filled_shaft_count},
             {"tests_per_voxel", report->tests_per_voxel},
+            {"steps_per_line", report->steps_per_line},
+            {"lookups_per_line", report->lookups_per_line},
+            {"tests_per_line", report->tests_per_line},
             {"max_condition", report->max_condition},
         };
         for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)

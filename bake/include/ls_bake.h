@@ -1,6 +1,6 @@
 // ls_bake.h - from scene files to one .lspace file; the whole offline side.
 //
-// ls_bake_run is the pipeline: import -> mesh -> voxels -> linespace -> pack -> write. The programs
+// ls_bake_run is the pipeline: import -> mesh -> choose -> voxels -> linespace -> pack -> write. The programs
 // are shells around it, so tests call what users run. Equal inputs and options give equal bytes,
 // for any number of threads and for any compiler.
 
@@ -75,7 +75,12 @@ extern "C"
         // Beside it a rule of make that names all files that were read, for build systems, written when the
         // bake has succeeded or the output is up to date; NULL: none.
         const char* depfile;
-        // G: cells along the longest side of an object's box, 1..4096; 0: by triangles.
+        // Cells, sub-grids and N are chosen by expected work (docs/cost-model.md) if this is given, or none of grid,
+        // patches and choose_patches. Bytes of device memory that tracing may take; 0: as many as
+        // pay, a doubling having to save a twelfth of the work.
+        uint64_t memory;
+        // G: cells along the longest side of an object's box, 1..4096; 0: chosen, or by triangles where only
+        // patches are given.
         uint32_t grid;
         uint32_t patches; // N: patches per voxel side, 1..16, 0: 2; if chosen the most, 1..8, 0: 5
         // By voxel: the N, or no table, of the least tests + byte_price * bytes.
@@ -100,6 +105,7 @@ extern "C"
 #define LS_BAKE_STAGE_LIST(X) \
     X(IMPORT, "import")       \
     X(MESH, "mesh")           \
+    X(CHOOSE, "choose")       \
     X(VOXELS, "voxels")       \
     X(LINESPACE, "linespace") \
     X(PACK, "pack")           \
@@ -197,7 +203,10 @@ extern "C"
         LsMeshReport mesh;
         LsObjectReport* faulty; // objects in which a fault was found, in order; owned
         uint32_t faulty_count;
-        uint64_t cell_count; // cells of all grids, empty ones too
+        // Cells along the longest side of gridded objects' boxes: the fewest and the most.
+        uint32_t least_grid, most_grid;
+        uint64_t memory_bytes; // what tracing takes on the device
+        uint64_t cell_count;   // cells of all grids, empty ones too
         uint64_t cell_block_count, voxel_count, subgrid_count, reference_count;
         uint64_t voxel_kind_count[4]; // by LS_VOXEL_*
         uint64_t list_object_count;
@@ -205,6 +214,8 @@ extern "C"
         uint64_t shaft_count, filled_shaft_count; // of stored tables
         uint64_t patches_count[17];               // voxels with masks by N
         double tests_per_voxel; // triangles that a line is expected to test in a voxel it crosses
+        // What a line through the box of each gridded object is expected to do there, in sum: cells it steps to, masks, triangles.
+        double steps_per_line, lookups_per_line, tests_per_line;
         uint32_t depth;
         double max_condition;     // largest condition number of an instance's transform
         uint64_t chunk_bytes[32]; // by LsChunk

@@ -170,6 +170,7 @@
     X(TRANSFORM_RANGE, 3692)     \
     X(LIMIT_RECORDS, 3792)       \
     X(PLACE_DEPTH, 3795)         \
+    X(LIMIT_BUDGET, 3796)        \
     X(MESH_NORMAL, 3895)         \
     X(MESH_TEXCOORD, 3896)       \
     X(MESH_NO_TEXCOORD, 3897)

@@ -1,0 +1,43 @@
+// survey.h - what a grid would cost and take: its voxels, and of some of them the tests that each N leaves.
+
+#ifndef LS_SURVEY_H
+#define LS_SURVEY_H
+
+#include "cost_model.h"
+
+// A voxel that would have masks, standing for several.
+typedef struct LsSurveyVoxel
+{
+    uint32_t count;                          // triangles
+    double visits;                           // of a line
+    double tests[LS_MAX_CHOSEN_PATCHES + 1]; // in a visit, by N; without masks: count
+} LsSurveyVoxel;
+
+// Owns its array.
+typedef struct LsSurvey
+{
+    uint32_t grid;  // cells along the longest side, as asked for
+    double steps;   // of a line
+    double tests;   // of a line, in voxels that never have masks
+    uint64_t bytes; // of all records without masks, triangles too
+    LsSurveyVoxel* voxels;
+    uint32_t voxel_count;
+    double each; // voxels that one stands for
+} LsSurvey;
+
+// What of a survey a byte price buys.
+typedef struct LsOffer
+{
+    LsWork work;  // of a line
+    double bytes; // with masks
+} LsOffer;
+
+// Voxelizes the mesh and makes the masks of `samples` voxels, if so many would have some; patches: the most N. Errors: those of ls_voxels_create.
+LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid, uint32_t samples,
+                          uint32_t patches, uint32_t threads, LsError* error);
+void ls_survey_destroy(LsSurvey* survey);
+
+// Every voxel with the N, up to `patches`, or no masks, of the least cost of a line + price * bytes.
+LsOffer ls_survey_offer(const LsSurvey* survey, uint32_t patches, double price);
+
+#endif

@@ -1,0 +1,301 @@
+// Cells and N by expected work: the model against lines that are walked, and choices within a memory.
+
+#include "baked.h"
+#include "cost_model.h"
+#include "ls_messages.h"
+#include "test_random.h"
+
+// cmocka.h needs what stands before it.
+// clang-format off
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <cmocka.h>
+// clang-format on
+
+#include <math.h>
+#include <string.h>
+
+// ---- Lines through a grid -------------------------------------------------------------------------------
+
+// A line in cells of the grid.
+typedef struct Line
+{
+    double origin[3], direction[3];
+    uint32_t octant;
+} Line;
+
+// Where the line is in a box: false if nowhere.
+static bool clip(const Line* line, const double lower[3], const double upper[3], double* first,
+                 double* last)
+{
+    for (int axis = 0; axis < 3; axis++)
+    {
+        const double inverse = 1.0 / line->direction[axis];
+        const double a = (lower[axis] - line->origin[axis]) * inverse;
+        const double b = (upper[axis] - line->origin[axis]) * inverse;
+        *first = fmax(*first, fmin(a, b));
+        *last = fmin(*last, fmax(a, b));
+    }
+    return *first < *last;
+}
+
+// Uniform among lines that meet the box [0, cells]: through a disk across a random direction.
+static bool make_line(LsRandom* random, const double cells[3], Line* line)
+{
+    const double z = ls_random_between(random, -1.0, 1.0);
+    const double turn = ls_random_between(random, 0.0, 2.0 * 3.14159265358979323846);
+    const double around = sqrt(1.0 - z * z);
+    const double d[3] = {around * cos(turn), around * sin(turn), z};
+    const double u[3] = {-sin(turn), cos(turn), 0.0};
+    const double v[3] = {-z * cos(turn), -z * sin(turn), around};
+    const double radius =
+        0.5 * sqrt(cells[0] * cells[0] + cells[1] * cells[1] + cells[2] * cells[2]);
+    const double a = ls_random_between(random, -radius, radius);
+    const double b = ls_random_between(random, -radius, radius);
+    *line = (Line){0};
+    for (int axis = 0; axis < 3; axis++)
+    {
+        line->direction[axis] = d[axis];
+        line->origin[axis] = 0.5 * cells[axis] + a * u[axis] + b * v[axis];
+        line->octant |= d[axis] < 0.0 ? 1u << axis : 0u;
+    }
+    const double zero[3] = {0};
+    double first = -1e30, last = 1e30;
+    return a * a + b * b <= radius * radius && clip(line, zero, cells, &first, &last);
+}
+
+// The cells of one level: those of the grid, of its blocks' table, or of a sub-grid.
+typedef struct Level
+{
+    double lower[3]; // in cells of the grid
+    double width;    // of a cell
+    uint32_t cells[3];
+} Level;
+
+static uint32_t read_block(const LsFile* file, const uint32_t cell[3])
+{
+    const uint32_t* cells = file->objects[0].cells;
+    const uint32_t nx = (cells[0] + 3) / 4, ny = (cells[1] + 3) / 4;
+    return file->blocks[cell[0] / 4 + nx * (cell[1] / 4 + ny * (cell[2] / 4))];
+}
+
+static uint32_t cell_in_block(const uint32_t cell[3])
+{
+    return (cell[0] & 3) + 4 * (cell[1] & 3) + 16 * (cell[2] & 3);
+}
+
+// Steps of a line between first and last. `block` is a sub-grid's, or LS_NONE for the grid itself.
+static double count_steps(const LsFile* file, const Level* level, uint32_t block, const Line* line,
+                          double first, double last)
+{
+    double steps = 0.0, t = first;
+    const double nudge = 1e-7 * level->width;
+    while (t < last - nudge)
+    {
+        uint32_t cell[3];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const double at = line->origin[axis] + (t + nudge) * line->direction[axis];
+            const double k = floor((at - level->lower[axis]) / level->width);
+            cell[axis] = (uint32_t)fmin(fmax(k, 0.0), level->cells[axis] - 1.0);
+        }
+        uint32_t side = 1, from[3] = {cell[0], cell[1], cell[2]};
+        uint32_t word = block == LS_NONE ? read_block(file, cell)
+                                         : file->cell_blocks[block].cells[cell_in_block(cell)];
+        if (block == LS_NONE && (word & 15) == 0)
+        {
+            word = file->cell_blocks[word >> 4].cells[cell_in_block(cell)];
+        }
+        else if (block == LS_NONE)
+        {
+            side = 4;
+            for (int axis = 0; axis < 3; axis++)
+            {
+                from[axis] = cell[axis] / 4 * 4;
+            }
+        }
+        const uint32_t skip = (word & 15) == 0 ? 1 : word >> (4 * line->octant) & 15;
+        double lower[3], upper[3], enter = -1e30, leave = 1e30;
+        for (int axis = 0; axis < 3; axis++)
+        {
+            const bool falls = (line->octant >> axis & 1) != 0;
+            const double near = from[axis] + (falls ? side : 0.0);
+            const double far = near + (falls ? -1.0 : 1.0) * skip * side;
+            lower[axis] = level->lower[axis] + level->width * fmin(near, far);
+            upper[axis] = level->lower[axis] + level->width * fmax(near, far);
+        }
+        steps += 1.0;
+        const bool is_in = clip(line, lower, upper, &enter, &leave);
+        const LsVoxel* voxel = &file->voxels[word >> 4];
+        if (is_in && (word & 15) == 0 && (voxel->shape & 255) == LS_VOXEL_SUBGRID)
+        {
+            const Level below = {.lower = {lower[0], lower[1], lower[2]},
+                                 .width = level->width / 4.0,
+                                 .cells = {4, 4, 4}};
+            steps += 1.0 + count_steps(file, &below, voxel->table, line, fmax(enter, first), leave);
+        }
+        t = is_in ? fmax(leave, t + nudge) : t + nudge;
+    }
+    return steps;
+}
+
+// Lines of the model come to all cells alike, real ones to those where the skip before ends.
+static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
+{
+    LsBaked baked;
+    ls_baked_open_desc(&baked, mesh, name, LS_TEST_ALONE,
+                       &(LsBakeDesc){.grid = grid, .patches = 1});
+    const LsObject* object = &baked.file.objects[0];
+    const double cells[3] = {object->cells[0], object->cells[1], object->cells[2]};
+    const Level level = {.width = 1.0,
+                         .cells = {object->cells[0], object->cells[1], object->cells[2]}};
+    LsRandom random = {7};
+    double sum = 0.0;
+    uint32_t count = 0;
+    while (count < 100000)
+    {
+        Line line;
+        const double zero[3] = {0};
+        double first = -1e30, last = 1e30;
+        if (make_line(&random, cells, &line))
+        {
+            clip(&line, zero, cells, &first, &last);
+            sum += count_steps(&baked.file, &level, LS_NONE, &line, first, last);
+            count++;
+        }
+    }
+    const double walked = sum / count, expected = baked.report.steps_per_line;
+    print_message("%s %u: expected %.3f steps of a line, walked %.3f\n", name, grid, expected,
+                  walked);
+    assert_int_equal(baked.report.voxel_kind_count[LS_VOXEL_BVH], 0);
+    assert_true(fabs(expected / walked - 1.0) < 0.25);
+    ls_baked_close(&baked);
+}
+
+static void steps_are_those_of_lines(void** state)
+{
+    (void)state;
+    LsTestMesh bunny = ls_test_mesh_make(LS_TEST_MESH_BUNNY);
+    check_steps(&bunny, "steps", 16); // all of it divided
+    check_steps(&bunny, "steps", 64);
+    check_steps(&bunny, "steps", 200);
+    ls_test_mesh_destroy(&bunny);
+}
+
+// ---- Memory -------------------------------------------------------------------------------------------
+
+static double count_work(const LsBakeReport* report)
+{
+    const LsWork work = {.steps = report->steps_per_line,
+                         .lookups = report->lookups_per_line,
+                         .tests = report->tests_per_line};
+    return ls_work_cost(&work);
+}
+
+// Bytes of the chunks that tracing reads.
+static uint64_t count_traced(const LsBakeReport* report)
+{
+    static const int chunks[] = {LS_CHUNK_OBJECTS,    LS_CHUNK_INSTANCES, LS_CHUNK_TOP_NODES,
+                                 LS_CHUNK_TRIANGLES,  LS_CHUNK_BLOCKS,    LS_CHUNK_CELL_BLOCKS,
+                                 LS_CHUNK_SUBGRIDS,   LS_CHUNK_VOXELS,    LS_CHUNK_REFERENCES,
+                                 LS_CHUNK_LEAF_NODES, LS_CHUNK_SHAFTS};
+    uint64_t sum = 0;
+    for (size_t i = 0; i < sizeof chunks / sizeof *chunks; i++)
+    {
+        sum += report->chunk_bytes[chunks[i]];
+    }
+    return sum;
+}
+
+static void memory_is_kept_and_used(void** state)
+{
+    (void)state;
+    static const LsTestPlacement placements[] = {LS_TEST_ALONE, LS_TEST_INSTANCES};
+    LsTestMesh mesh = ls_test_mesh_make(LS_TEST_MESH_ELEPHANT);
+    for (int p = 0; p < 2; p++)
+    {
+        double before = INFINITY;
+        for (uint64_t memory = 600 << 10; memory <= 20 << 20; memory *= 2)
+        {
+            LsBaked baked;
+            ls_baked_open_desc(&baked, &mesh, "memory", placements[p],
+                               &(LsBakeDesc){.memory = memory});
+            const uint64_t traced = count_traced(&baked.report);
+            const double work = count_work(&baked.report);
+            print_message("%7llu of %8llu bytes: %u cells, work %.2f\n", (unsigned long long)traced,
+                          (unsigned long long)memory, baked.report.most_grid, work);
+            assert_true(traced <= baked.report.memory_bytes);
+            assert_true(traced + 256 >= baked.report.memory_bytes);
+            assert_true(baked.report.memory_bytes <= memory);
+            // Double the memory, of which at least a part is used as long as masks still grow.
+            assert_true(work <= 1.01 * before);
+            assert_true(before < INFINITY || traced > memory * 7 / 10);
+            before = work;
+            ls_baked_close(&baked);
+        }
+    }
+    ls_test_mesh_destroy(&mesh);
+}
+
+static void threads_choose_alike(void** state)
+{
+    (void)state;
+    LsTestMesh mesh = ls_test_mesh_make(LS_TEST_MESH_ELEPHANT);
+    static const uint32_t threads[3] = {1, 2, 8};
+    for (uint64_t memory = 0; memory <= 3 << 20; memory += 3 << 20)
+    {
+        LsBaked baked[3];
+        for (int i = 0; i < 3; i++)
+        {
+            ls_baked_open_desc(&baked[i], &mesh, "alike", LS_TEST_INSTANCES,
+                               &(LsBakeDesc){.memory = memory, .threads = threads[i]});
+            assert_int_equal(baked[i].mapping.size, baked[0].mapping.size);
+            assert_memory_equal(baked[i].mapping.bytes, baked[0].mapping.bytes,
+                                baked[0].mapping.size);
+        }
+        for (int i = 0; i < 3; i++)
+        {
+            ls_baked_close(&baked[i]);
+        }
+    }
+    ls_test_mesh_destroy(&mesh);
+}
+
+// ---- Refused ------------------------------------------------------------------------------------------
+
+static void check_refused(LsBakeDesc desc, LsMessage message, const char* named)
+{
+    const LsBakeInput input = {.path = LS_SOURCE_DIR "/scenes/bunny.ply"};
+    desc.inputs = &input;
+    desc.input_count = 1;
+    desc.output = LS_BINARY_DIR "/refused.lspace";
+    LsError error;
+    assert_int_equal(ls_bake_run(&desc, NULL, &error), message / 100);
+    assert_int_equal(error.message, message);
+    assert_non_null(strstr(error.text, named));
+}
+
+static void too_little_is_refused(void** state)
+{
+    (void)state;
+    // LS_MESSAGE_LIMIT_BUDGET: 69,666 triangles of 48 bytes alone.
+    check_refused((LsBakeDesc){.memory = 3 << 20}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
+    check_refused((LsBakeDesc){.memory = 1}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
+    check_refused((LsBakeDesc){.memory = 64 << 20, .patches = 3}, LS_MESSAGE_USAGE_CHOICE,
+                  "patches");
+    check_refused((LsBakeDesc){.memory = 64 << 20, .choose_patches = true, .byte_price = 0.1},
+                  LS_MESSAGE_USAGE_CHOICE, "byte_price");
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(steps_are_those_of_lines),
+        cmocka_unit_test(memory_is_kept_and_used),
+        cmocka_unit_test(threads_choose_alike),
+        cmocka_unit_test(too_little_is_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
