@@ -43,6 +43,33 @@ LS_ARRAY(LsTriangleArray, LsTriangle, 16);
 LS_ARRAY(LsVoxelArray, LsVoxel, 16);
 LS_ARRAY(LsWordArray, uint, 4);
 
+// Records of the arrays that grow with triangles and cells: TRIANGLES, BLOCKS, CELL_BLOCKS, SUBGRIDS, VOXELS,
+// REFERENCES, LEAF_NODES and SHAFTS are read through these alone. `array` is the address in LsTraceScene.
+LsTriangle ls_load_triangle(uvec2 array, uint index)
+{
+    return LsTriangleArray(array).at[index];
+}
+
+LsVoxel ls_load_voxel(uvec2 array, uint index)
+{
+    return LsVoxelArray(array).at[index];
+}
+
+LsBvhNode ls_load_node(uvec2 array, uint index)
+{
+    return LsBvhNodeArray(array).at[index];
+}
+
+uint ls_load_cell(uvec2 array, uint block, uint cell)
+{
+    return LsWordArray(array).at[block * LS_BLOCK_CELLS + cell];
+}
+
+uint ls_load_word(uvec2 array, uint index)
+{
+    return LsWordArray(array).at[index];
+}
+
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer LsSceneReference
 {
     LsDeviceScene scene;
