@@ -371,7 +371,8 @@ static LsResult make_voxels(Bake* bake, LsError* error)
 
 static LsResult make_tables(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, &bake->choice);
+    const uint64_t needed =
+        ls_tables_need(bake->objects, bake->input.mesh_count, &bake->choice, bake->threads);
     const LsResult allowed = check_memory(bake, needed, "the table of shafts", error);
     if (allowed != LS_OK)
     {
@@ -417,12 +418,7 @@ static LsResult check_pack(const Bake* bake, LsError* error)
 
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_pack_need(bake->objects, bake->meshes, bake->input.mesh_count);
-    LsResult result = check_memory(bake, needed, "the file in memory", error);
-    if (result == LS_OK)
-    {
-        result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
-    }
+    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,

@@ -39,7 +39,7 @@ uint64_t ls_mesh_need(const LsInput* input)
     uint64_t most = 0;
     for (uint32_t i = 0; i < input->mesh_count; i++)
         most = input->meshes[i].triangle_count > most ? input->meshes[i].triangle_count : most;
-    return sizeof(LsTriangle) * most;
+    return (sizeof(LsTriangle) + 3 * sizeof(uint32_t) + sizeof(uint8_t)) * most;
 }
 
 uint64_t ls_grid_need(const LsGridFrame* frame)
@@ -50,7 +50,17 @@ uint64_t ls_grid_need(const LsGridFrame* frame)
     return sizeof(uint32_t) * blocks;
 }
 
-uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice)
+// Packing makes a voxel's record of the file beside the one that it was worked with, object by object.
+static uint64_t count_packed(const LsBakedObject* objects, uint32_t count)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < count; i++)
+        most = objects[i].voxels.voxel_count > most ? objects[i].voxels.voxel_count : most;
+    return sizeof(LsVoxel) * most;
+}
+
+uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
+                        uint32_t threads)
 {
     uint64_t words = 0;
     for (uint32_t i = 0; i < count && !choice->chosen; i++)
@@ -60,21 +70,8 @@ uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPa
             if (voxel->kind == LS_VOXEL_MASKS)
                 words += ls_mask_words(LS_SHAFT_COUNT(choice->patches), voxel->reference_count);
         }
-    return sizeof(uint32_t) * words;
-}
-
-uint64_t ls_pack_need(const LsBakedObject* objects, const LsMesh* meshes, uint32_t count)
-{
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < count; i++)
-    {
-        const LsVoxels* voxels = &objects[i].voxels;
-        sum += sizeof(LsTriangle) * (uint64_t)meshes[i].triangle_count +
-               sizeof(LsCellBlock) * (uint64_t)voxels->cell_block_count +
-               sizeof(LsVoxel) * (uint64_t)voxels->voxel_count +
-               sizeof(LsBvhNode) * (uint64_t)voxels->leaf_node_count +
-               sizeof(uint32_t) * ((uint64_t)voxels->block_count + voxels->subgrid_count +
-                                   voxels->reference_count + objects[i].tables.word_count);
-    }
-    return sum;
+    const uint64_t tables = sizeof(uint32_t) * words;
+    const uint64_t packed = count_packed(objects, count);
+    const uint64_t working = threads * ls_tables_work_bytes(choice);
+    return tables + (working > packed ? working : packed);
 }

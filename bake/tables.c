@@ -4,6 +4,7 @@
 
 #include "linespace.h"
 #include "ls_format.h"
+#include "pages.h"
 #include "shaft_cost.h"
 
 #include <omp.h>
@@ -71,9 +72,19 @@ typedef struct Worker
     double corners[LS_MASK_TRIANGLES][3][3];
 } Worker;
 
+static size_t count_mask_bytes(const LsPatchesChoice* choice)
+{
+    return sizeof(uint32_t) * LS_SHAFT_COUNT(choice->patches);
+}
+
+uint64_t ls_tables_work_bytes(const LsPatchesChoice* choice)
+{
+    return ls_shaft_scratch_bytes() + (choice->chosen ? 3 : 1) * (uint64_t)count_mask_bytes(choice);
+}
+
 static bool create_worker(Worker* worker)
 {
-    const size_t bytes = sizeof(uint32_t) * LS_SHAFT_COUNT(worker->choice->patches);
+    const size_t bytes = count_mask_bytes(worker->choice);
     worker->scratch = ls_shaft_scratch_create();
     worker->best = malloc(bytes);
     worker->current = worker->choice->chosen ? malloc(bytes) : NULL;
@@ -184,7 +195,8 @@ static bool reserve_words(LsTableBlock* block, uint64_t count)
     }
     // Below 2^32 for LS_TABLE_VOXELS of the largest tables.
     const uint64_t capacity = block->capacity * 3ull / 2 + count;
-    uint32_t* words = realloc(block->words, capacity * sizeof(uint32_t));
+    uint32_t* words = ls_pages_resize(block->words, block->capacity * sizeof(uint32_t),
+                                      capacity * sizeof(uint32_t));
     if (words == NULL)
     {
         return false;
@@ -261,7 +273,9 @@ static bool fill_block(Worker* worker, LsTableBlock* block, LsWorkVoxel* first, 
     }
     if (block->word_count > 0) // gives back what it has too much
     {
-        uint32_t* words = realloc(block->words, block->word_count * sizeof(uint32_t));
+        uint32_t* words = ls_pages_resize(block->words, block->capacity * sizeof(uint32_t),
+                                          block->word_count * sizeof(uint32_t));
+        block->capacity = words != NULL ? block->word_count : block->capacity;
         block->words = words != NULL ? words : block->words;
     }
     return true;
@@ -386,25 +400,18 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
     return result;
 }
 
+void ls_table_block_destroy(LsTableBlock* block)
+{
+    block->words = ls_pages_resize(block->words, block->capacity * sizeof(uint32_t), 0);
+    block->capacity = 0;
+}
+
 void ls_tables_destroy(LsTables* tables)
 {
     for (uint32_t b = 0; tables->blocks != NULL && b < tables->block_count; b++)
     {
-        free(tables->blocks[b].words);
+        ls_table_block_destroy(&tables->blocks[b]);
     }
     free(tables->blocks);
     *tables = (LsTables){0};
-}
-
-void ls_tables_copy(const LsTables* tables, uint32_t* words)
-{
-    for (uint32_t b = 0; b < tables->block_count; b++)
-    {
-        const LsTableBlock* block = &tables->blocks[b];
-        if (block->word_count > 0)
-        {
-            memcpy(words, block->words, block->word_count * sizeof(uint32_t));
-        }
-        words += block->word_count;
-    }
 }

@@ -16,7 +16,7 @@ typedef struct LsPatchesChoice
 // Tables of LS_TABLE_VOXELS voxels, one behind the other.
 typedef struct LsTableBlock
 {
-    uint32_t* words;
+    uint32_t* words; // ls_pages_resize
     uint32_t word_count;
     uint32_t capacity;
     uint64_t shaft_count;
@@ -48,8 +48,9 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
                           const LsPatchesChoice* choice, uint32_t threads,
                           const LsStageProgress* progress, LsError* error);
 void ls_tables_destroy(LsTables* tables);
+void ls_table_block_destroy(LsTableBlock* block); // of its words alone; its counts stay
 
-// Copies all tables, word_count words.
-void ls_tables_copy(const LsTables* tables, uint32_t* words);
+// Bytes that each thread works with besides the tables.
+uint64_t ls_tables_work_bytes(const LsPatchesChoice* choice);
 
 #endif
