@@ -352,7 +352,8 @@ static LsResult make_voxels(Bake* bake, LsError* error)
         const uint32_t grid =
             bake->desc->grid != 0 ? bake->desc->grid : default_grid(mesh->triangle_count);
         const LsGridFrame frame = ls_grid_frame(mesh, grid);
-        LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
+        LsResult result = check_memory(bake, ls_grid_need(&frame, mesh->triangle_count),
+                                       "the grid of an object", error);
         if (result == LS_OK)
         {
             result = ls_voxels_create(&bake->objects[i].voxels, mesh, grid, LS_MAX_DEPTH,
@@ -366,6 +367,7 @@ static LsResult make_voxels(Bake* bake, LsError* error)
         bake->report.crowded_object_count += bake->objects[i].voxels.frame.grid < grid;
         count_voxels(bake, &bake->objects[i].voxels);
     }
+    ls_memory_give_back(); // of divided voxels: more than what lasts, where many are
     return LS_OK;
 }
 

@@ -7,6 +7,9 @@
 
 #include <stdio.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 uint64_t ls_memory_in_use(void)
 {
@@ -34,6 +37,13 @@ LsResult ls_memory_check(uint64_t limit, uint64_t needed, const char* scene, con
         scene, what, (double)needed * 1e-6, (double)in_use * 1e-6, (double)limit * 1e-6);
 }
 
+void ls_memory_give_back(void)
+{
+#ifdef __GLIBC__
+    malloc_trim(0);
+#endif
+}
+
 uint64_t ls_mesh_need(const LsInput* input)
 {
     uint64_t most = 0;
@@ -42,12 +52,13 @@ uint64_t ls_mesh_need(const LsInput* input)
     return (sizeof(LsTriangle) + 3 * sizeof(uint32_t) + sizeof(uint8_t)) * most;
 }
 
-uint64_t ls_grid_need(const LsGridFrame* frame)
+uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count)
 {
     uint64_t blocks = 1;
     for (int axis = 0; axis < 3; axis++)
         blocks *= (frame->cells[axis] + LS_BLOCK_SIDE - 1) / LS_BLOCK_SIDE;
-    return sizeof(uint32_t) * blocks;
+    const uint64_t order = (sizeof(LsTriangle) + sizeof(uint32_t)) * triangle_count;
+    return sizeof(uint32_t) * blocks + order;
 }
 
 // Packing makes a voxel's record of the file beside the one that it was worked with, object by object.
@@ -59,19 +70,32 @@ static uint64_t count_packed(const LsBakedObject* objects, uint32_t count)
     return sizeof(LsVoxel) * most;
 }
 
+// Bytes of an object's tables, all of one N; `most_in_block` becomes those of its largest block if they are more.
+static uint64_t count_tables(const LsVoxels* voxels, uint32_t patches, uint64_t* most_in_block)
+{
+    uint64_t sum = 0, block = 0;
+    for (uint32_t i = 0; i < voxels->voxel_count; i++)
+    {
+        const LsWorkVoxel* voxel = &voxels->voxels[i];
+        const uint64_t bytes =
+            voxel->kind == LS_VOXEL_MASKS
+                ? sizeof(uint32_t) * ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count)
+                : 0;
+        sum += bytes;
+        block = i % LS_TABLE_VOXELS == 0 ? bytes : block + bytes;
+        *most_in_block = block > *most_in_block ? block : *most_in_block;
+    }
+    return sum;
+}
+
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
                         uint32_t threads)
 {
-    uint64_t words = 0;
+    uint64_t tables = 0, block = 0;
     for (uint32_t i = 0; i < count && !choice->chosen; i++)
-        for (uint32_t k = 0; k < objects[i].voxels.voxel_count; k++)
-        {
-            const LsWorkVoxel* voxel = &objects[i].voxels.voxels[k];
-            if (voxel->kind == LS_VOXEL_MASKS)
-                words += ls_mask_words(LS_SHAFT_COUNT(choice->patches), voxel->reference_count);
-        }
-    const uint64_t tables = sizeof(uint32_t) * words;
-    const uint64_t packed = count_packed(objects, count);
+        tables += count_tables(&objects[i].voxels, choice->patches, &block);
+    // Then each block is packed into an array that grows, and freed.
+    const uint64_t packing = count_packed(objects, count) + ls_pack_spare(tables) + block;
     const uint64_t working = threads * ls_tables_work_bytes(choice);
-    return tables + (working > packed ? working : packed);
+    return tables + (working > packing ? working : packing);
 }

@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Most of the room that a growing array has too much.
+#define SPARE_BYTES (64u << 20)
+
 static LsResult report_memory(LsError* error)
 {
     return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
@@ -107,12 +110,18 @@ static LsObject describe_object(const LsMesh* mesh, const LsBakedObject* baked, 
     return object;
 }
 
+uint64_t ls_pack_spare(uint64_t bytes)
+{
+    return bytes / 16 < SPARE_BYTES ? bytes / 16 : SPARE_BYTES;
+}
+
 // Growing moves pages, not bytes, where the system can. False when out of memory.
 static bool append_copy(LsPackArray* array, const void* part, uint64_t count, size_t size)
 {
     if (array->count + count > array->capacity)
     {
-        const uint64_t capacity = (array->count + count) * 17 / 16;
+        const uint64_t needed = array->count + count;
+        const uint64_t capacity = needed + ls_pack_spare(needed * size) / size;
         void* records = realloc(array->records, capacity * size);
         if (records == NULL)
         {
@@ -135,7 +144,8 @@ static bool append_part(LsPackArray* array, void** part, uint64_t count, size_t 
     bool ok = true;
     if (array->records == NULL && count > 0)
     {
-        *array = (LsPackArray){.records = *part, .count = count, .capacity = count};
+        array->records = *part;
+        array->count = array->capacity = count;
         *part = NULL;
     }
     else

@@ -40,4 +40,7 @@ LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObj
                         const LsWorld* world, uint32_t patches, LsError* error);
 void ls_pack_destroy(LsPack* pack);
 
+// Room that an array of so many bytes has too much while it grows.
+uint64_t ls_pack_spare(uint64_t bytes);
+
 #endif

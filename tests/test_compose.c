@@ -129,7 +129,7 @@ static void test_memory_limit(void** state)
     free(memory);
 
     const LsGridFrame frame = {.cells = {4096, 4096, 5}};
-    assert_int_equal(ls_grid_need(&frame), 1024 * 1024 * 2 * 4);
+    assert_int_equal(ls_grid_need(&frame, 10), 1024 * 1024 * 2 * 4 + 10 * 52);
     LsWorkVoxel voxels[] = {{.kind = LS_VOXEL_MASKS, .reference_count = 9},
                             {.kind = LS_VOXEL_LIST, .reference_count = 9},
                             {.kind = LS_VOXEL_MASKS, .reference_count = 32}};
@@ -139,7 +139,8 @@ static void test_memory_limit(void** state)
     const uint64_t working = ls_tables_work_bytes(&fixed);
     assert_true(working > 4 * 240);
     assert_int_equal(ls_tables_work_bytes(&chosen), working + 2 * 4 * 240);
-    assert_int_equal(ls_tables_need(&object, 1, &fixed, 0), 4 * (68 + 240) + 3 * 16); // to pack
+    assert_int_equal(ls_tables_need(&object, 1, &fixed, 0),
+                     4 * (68 + 240) * 33 / 16 + 3 * 16); // to pack
     assert_int_equal(ls_tables_need(&object, 1, &fixed, 2), 4 * (68 + 240) + 2 * working);
     assert_int_equal(ls_tables_need(&object, 1, &chosen, 1), working + 2 * 4 * 240);
     LsInputMesh meshes[] = {{.triangle_count = 7}, {.triangle_count = 100}};
