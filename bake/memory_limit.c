@@ -73,17 +73,15 @@ static uint64_t count_packed(const LsBakedObject* objects, uint32_t count)
 // Bytes of an object's tables, all of one N; `most_in_block` becomes those of its largest block if they are more.
 static uint64_t count_tables(const LsVoxels* voxels, uint32_t patches, uint64_t* most_in_block)
 {
-    uint64_t sum = 0, block = 0;
-    for (uint32_t i = 0; i < voxels->voxel_count; i++)
+    uint64_t sum = 0;
+    for (uint64_t i = 0; i < voxels->voxel_count; i += LS_TABLE_VOXELS)
     {
-        const LsWorkVoxel* voxel = &voxels->voxels[i];
+        const uint64_t left = voxels->voxel_count - i;
+        const uint32_t count = left < LS_TABLE_VOXELS ? (uint32_t)left : LS_TABLE_VOXELS;
         const uint64_t bytes =
-            voxel->kind == LS_VOXEL_MASKS
-                ? sizeof(uint32_t) * ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count)
-                : 0;
+            sizeof(uint32_t) * ls_tables_words(voxels->voxels + i, count, patches);
         sum += bytes;
-        block = i % LS_TABLE_VOXELS == 0 ? bytes : block + bytes;
-        *most_in_block = block > *most_in_block ? block : *most_in_block;
+        *most_in_block = bytes > *most_in_block ? bytes : *most_in_block;
     }
     return sum;
 }
@@ -91,11 +89,16 @@ static uint64_t count_tables(const LsVoxels* voxels, uint32_t patches, uint64_t*
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
                         uint32_t threads)
 {
-    uint64_t tables = 0, block = 0;
-    for (uint32_t i = 0; i < count && !choice->chosen; i++)
-        tables += count_tables(&objects[i].voxels, choice->patches, &block);
+    uint64_t most = 0, block = 0;
+    for (uint32_t i = 0; i < count; i++)
+        most += count_tables(&objects[i].voxels, choice->patches, &block);
+    if (choice->chosen)
+    {
+        return threads *
+               (ls_tables_work_bytes(choice) + block); // tables of a block wait for their size
+    }
     // Then each block is packed into an array that grows, and freed.
-    const uint64_t packing = count_packed(objects, count) + ls_pack_spare(tables) + block;
+    const uint64_t packing = count_packed(objects, count) + ls_pack_spare(most) + block;
     const uint64_t working = threads * ls_tables_work_bytes(choice);
-    return tables + (working > packing ? working : packing);
+    return most + (working > packing ? working : packing);
 }

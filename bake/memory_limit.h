@@ -23,8 +23,9 @@ void ls_memory_give_back(void);
 uint64_t ls_mesh_need(const LsInput* input);
 // The dense table of a grid's blocks, and the triangles put into another order, with their new numbers.
 uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count);
-// The tables of all objects, and the more of what is worked with meanwhile and what packing, which comes next, takes beside
-// them. Where a choice finds N by voxel, tables are not known beforehand and not counted.
+// The tables of all objects, and the more of what is worked with meanwhile and what packing, which comes next,
+// takes beside them. Where a choice finds N by voxel, only what is worked with: the tables are not known
+// beforehand.
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
                         uint32_t threads);
 

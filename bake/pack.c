@@ -138,22 +138,16 @@ static bool append_copy(LsPackArray* array, const void* part, uint64_t count, si
     return true;
 }
 
-// Appends a part that malloc made, and takes it over: the first becomes the array itself.
-static bool append_part(LsPackArray* array, void** part, uint64_t count, size_t size)
+// Appends a part that malloc made, which is not the caller's any more: the first becomes the array itself.
+static bool append_part(LsPackArray* array, void* part, uint64_t count, size_t size)
 {
-    bool ok = true;
     if (array->records == NULL && count > 0)
     {
-        array->records = *part;
-        array->count = array->capacity = count;
-        *part = NULL;
+        *array = (LsPackArray){.records = part, .count = count, .capacity = count};
+        return true;
     }
-    else
-    {
-        ok = append_copy(array, *part, count, size);
-    }
-    free(*part);
-    *part = NULL;
+    const bool ok = append_copy(array, part, count, size);
+    free(part);
     return ok;
 }
 
@@ -182,10 +176,10 @@ static bool append_voxels(LsPackArray* array, LsVoxels* work)
     }
     free(work->voxels);
     work->voxels = NULL;
-    return append_part(array, (void**)&voxels, work->voxel_count, sizeof *voxels);
+    return append_part(array, voxels, work->voxel_count, sizeof *voxels);
 }
 
-// Takes an object's arrays over, all it had. False when out of memory.
+// Takes an object's arrays over, all it had. False when out of memory: the caller still has what is left.
 static bool append_object(LsPack* pack, LsObject object, LsMesh* mesh, LsBakedObject* baked)
 {
     LsVoxels* voxels = &baked->voxels;
@@ -199,15 +193,22 @@ static bool append_object(LsPack* pack, LsObject object, LsMesh* mesh, LsBakedOb
     object.first_shaft_word = (uint32_t)pack->shafts.count;
     pack->objects[pack->desc.OBJECTS_count++] = object;
 
-#define APPEND(array, part, count) append_part(&(array), (void**)&(part), (count), sizeof *(part))
-    return APPEND(pack->triangles, mesh->triangles, object.triangle_count) &&
-           APPEND(pack->blocks, voxels->blocks, object.block_count) &&
-           APPEND(pack->cell_blocks, voxels->cell_blocks, object.cell_block_count) &&
-           APPEND(pack->subgrids, voxels->subgrids, object.subgrid_count) &&
-           APPEND(pack->references, voxels->references, object.reference_count) &&
-           APPEND(pack->leaf_nodes, voxels->leaf_nodes, object.leaf_node_count) &&
-           append_voxels(&pack->voxels, voxels) && append_tables(&pack->shafts, &baked->tables);
+    bool ok = true;
+#define APPEND(array, part, count)                                   \
+    if (ok)                                                          \
+    {                                                                \
+        ok = append_part(&(array), (part), (count), sizeof *(part)); \
+        (part) = NULL;                                               \
+    }
+    APPEND(pack->triangles, mesh->triangles, object.triangle_count)
+    APPEND(pack->blocks, voxels->blocks, object.block_count)
+    APPEND(pack->cell_blocks, voxels->cell_blocks, object.cell_block_count)
+    APPEND(pack->subgrids, voxels->subgrids, object.subgrid_count)
+    APPEND(pack->references, voxels->references, object.reference_count)
+    APPEND(pack->leaf_nodes, voxels->leaf_nodes, object.leaf_node_count)
 #undef APPEND
+    return ok && append_voxels(&pack->voxels, voxels) &&
+           append_tables(&pack->shafts, &baked->tables);
 }
 
 LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,

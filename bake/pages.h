@@ -8,7 +8,9 @@
 
 #include <stdint.h>
 
-// Makes `old_bytes` at `pages` (NULL: 0) into `new_bytes`, with its contents as far as they fit; they may move. 0 frees. NULL when out of memory, and then the old ones stay, or when freed.
-void* ls_pages_resize(void* pages, uint64_t old_bytes, uint64_t new_bytes);
+// bytes > 0. NULL when out of memory.
+void* ls_pages_create(uint64_t bytes);
+void ls_pages_destroy(void* pages,
+                      uint64_t bytes); // of as many bytes as were asked for; NULL is allowed
 
 #endif

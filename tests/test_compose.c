@@ -142,7 +142,8 @@ static void test_memory_limit(void** state)
     assert_int_equal(ls_tables_need(&object, 1, &fixed, 0),
                      4 * (68 + 240) * 33 / 16 + 3 * 16); // to pack
     assert_int_equal(ls_tables_need(&object, 1, &fixed, 2), 4 * (68 + 240) + 2 * working);
-    assert_int_equal(ls_tables_need(&object, 1, &chosen, 1), working + 2 * 4 * 240);
+    assert_int_equal(ls_tables_need(&object, 1, &chosen, 2),
+                     2 * (working + 2 * 4 * 240 + 4 * (68 + 240)));
     LsInputMesh meshes[] = {{.triangle_count = 7}, {.triangle_count = 100}};
     const LsInput input = {.meshes = meshes, .mesh_count = 2};
     assert_int_equal(ls_mesh_need(&input), 100 * (48 + 12 + 1));
