@@ -46,8 +46,9 @@ extern "C"
         // Scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, and CPUs the kernels of two passes, which
         // takes time to compile.
         bool measures;
-        // Larger arrays are cut into segments of so many bytes, rounded down to a power of two from 1 KiB to
-        // 1 GiB that the device can allocate. 0: the most.
+        // Arrays that grow with triangles and cells are cut into segments if they are larger than so many bytes,
+        // rounded down to a power of two from 1 KiB to 1 GiB that the device can allocate; each has memory of its
+        // own, of which devices may allow no more than 4096. 0: the most.
         uint64_t segment_bytes;
     } LsContextDesc;
 
