@@ -420,7 +420,14 @@ static LsResult check_pack(const Bake* bake, LsError* error)
 
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    LsResult result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    // Where N is given, this was asked before the tables were made.
+    const uint64_t needed =
+        bake->choice.chosen ? ls_pack_need(bake->objects, bake->input.mesh_count) : 0;
+    LsResult result = check_memory(bake, needed, "the file in memory", error);
+    if (result == LS_OK)
+    {
+        result = ls_world_create(&bake->world, &bake->input, bake->meshes, error);
+    }
     if (result == LS_OK)
     {
         result = ls_pack_create(&bake->pack, &bake->input, bake->meshes, bake->objects,

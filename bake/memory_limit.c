@@ -61,13 +61,15 @@ uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count)
     return sizeof(uint32_t) * blocks + order;
 }
 
-// Packing makes a voxel's record of the file beside the one that it was worked with, object by object.
-static uint64_t count_packed(const LsBakedObject* objects, uint32_t count)
+// What packing takes besides what it packs. A voxel's record of the file is made beside the one that it was worked with,
+// object by object; then each block of tables is copied into an array that grows, and freed.
+static uint64_t count_packing(const LsBakedObject* objects, uint32_t count, uint64_t table_bytes,
+                              uint64_t most_in_block)
 {
     uint64_t most = 0;
     for (uint32_t i = 0; i < count; i++)
         most = objects[i].voxels.voxel_count > most ? objects[i].voxels.voxel_count : most;
-    return sizeof(LsVoxel) * most;
+    return sizeof(LsVoxel) * most + ls_pack_spare(table_bytes) + most_in_block;
 }
 
 // Bytes of an object's tables, all of one N; `most_in_block` becomes those of its largest block if they are more.
@@ -97,8 +99,20 @@ uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPa
         return threads *
                (ls_tables_work_bytes(choice) + block); // tables of a block wait for their size
     }
-    // Then each block is packed into an array that grows, and freed.
-    const uint64_t packing = count_packed(objects, count) + ls_pack_spare(most) + block;
+    const uint64_t packing = count_packing(objects, count, most, block);
     const uint64_t working = threads * ls_tables_work_bytes(choice);
     return most + (working > packing ? working : packing);
+}
+
+uint64_t ls_pack_need(const LsBakedObject* objects, uint32_t count)
+{
+    uint64_t tables = 0, most_in_block = 0;
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t b = 0; b < objects[i].tables.block_count; b++)
+        {
+            const uint64_t bytes = sizeof(uint32_t) * objects[i].tables.blocks[b].word_count;
+            tables += bytes;
+            most_in_block = bytes > most_in_block ? bytes : most_in_block;
+        }
+    return count_packing(objects, count, tables, most_in_block);
 }

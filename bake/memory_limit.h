@@ -28,5 +28,7 @@ uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count);
 // beforehand.
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
                         uint32_t threads);
+// What packing takes besides these tables, once they are made.
+uint64_t ls_pack_need(const LsBakedObject* objects, uint32_t count);
 
 #endif

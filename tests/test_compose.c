@@ -144,6 +144,10 @@ static void test_memory_limit(void** state)
     assert_int_equal(ls_tables_need(&object, 1, &fixed, 2), 4 * (68 + 240) + 2 * working);
     assert_int_equal(ls_tables_need(&object, 1, &chosen, 2),
                      2 * (working + 2 * 4 * 240 + 4 * (68 + 240)));
+    LsTableBlock blocks[] = {{.word_count = 68}, {.word_count = 252}};
+    const LsBakedObject made = {.voxels = {.voxel_count = 300},
+                                .tables = {.blocks = blocks, .block_count = 2}};
+    assert_int_equal(ls_pack_need(&made, 1), 300 * 16 + 4 * (68 + 252) / 16 + 4 * 252);
     LsInputMesh meshes[] = {{.triangle_count = 7}, {.triangle_count = 100}};
     const LsInput input = {.meshes = meshes, .mesh_count = 2};
     assert_int_equal(ls_mesh_need(&input), 100 * (48 + 12 + 1));

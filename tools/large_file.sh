@@ -9,7 +9,8 @@ folder=$(mktemp -d -p "${1:-.}")
 trap 'rm -rf "$folder"' EXIT
 
 # Runs a program and prints its time and peak memory, files that it maps included.
-measure() {
+measure()
+{
     python3 - "$@" <<'PYTHON'
 import resource, subprocess, sys, time
 begin = time.monotonic()
