@@ -33,7 +33,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
-        uint index = ray.first_triangle + ls_load_word(ls_scene.references, first_reference + bit);
+        uint index = ray.first_triangle + LS_LOAD_WORD(ls_scene.references, first_reference + bit);
         left |= ls_may_meet(ls_project(ray, index)) ? 1u << bit : 0u;
     }
     ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
@@ -41,7 +41,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(left));
         left &= left - 1u;
-        if (ls_test_triangle(ray, best, ls_load_word(ls_scene.references, first_reference + bit)))
+        if (ls_test_triangle(ray, best, LS_LOAD_WORD(ls_scene.references, first_reference + bit)))
         {
             return true;
         }
@@ -159,9 +159,10 @@ LsHit ls_make_hit(LsRay ray, LsBest best, float scale, uint flags)
         ls_carry_ray(ray, best.instance, best.t, flags, local);
         uint index = local.first_triangle + best.triangle;
         hit.object = local.object;
-        LsTriangle triangle = ls_load_triangle(ls_scene.triangles, index);
-        hit.primitive = triangle.primitive;
-        hit.material = triangle.material;
+        uint at = index;
+        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, at);
+        hit.primitive = triangles.at[at].primitive;
+        hit.material = triangles.at[at].material;
         if (!any)
         {
             vec2 weights = ls_hit_weights(ls_project(local, index));

@@ -86,9 +86,9 @@ LsHit make_hit(LsBest best, float scale)
         hit.instance = best.instance;
         hit.object = LsInstanceArray(params.instances).at[best.instance].object;
         uint index = LsObjectArray(params.objects).at[hit.object].first_triangle + best.triangle;
-        LsTriangle triangle = ls_load_triangle(ls_scene.triangles, index);
-        hit.primitive = triangle.primitive;
-        hit.material = triangle.material;
+        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
+        hit.primitive = triangles.at[index].primitive;
+        hit.material = triangles.at[index].material;
     }
     return hit;
 }

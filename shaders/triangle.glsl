@@ -170,11 +170,11 @@ struct LsProjection
 // Triangle `index` of the whole array. Reads the ray's pivot, sheared and major alone.
 LsProjection ls_project(LsLocalRay ray, uint index)
 {
-    LsTriangle triangle = ls_load_triangle(ls_scene.triangles, index);
+    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
     precise vec3 d = ray.sheared;
-    precise vec3 a = ls_permute(triangle.v0, ray.major) - ray.pivot;
-    precise vec3 b = ls_permute(triangle.v1, ray.major) - ray.pivot;
-    precise vec3 c = ls_permute(triangle.v2, ray.major) - ray.pivot;
+    precise vec3 a = ls_permute(triangles.at[index].v0, ray.major) - ray.pivot;
+    precise vec3 b = ls_permute(triangles.at[index].v1, ray.major) - ray.pivot;
+    precise vec3 c = ls_permute(triangles.at[index].v2, ray.major) - ray.pivot;
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
@@ -271,8 +271,8 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
     if (s == ray.smax &&
         (best.instance == LS_NONE || ray.instance > best.instance ||
          (ray.instance == best.instance &&
-          ls_load_triangle(ls_scene.triangles, index).primitive >
-              ls_load_triangle(ls_scene.triangles, ray.first_triangle + best.triangle).primitive)))
+          ls_load_primitive(ls_scene.triangles, index) >
+              ls_load_primitive(ls_scene.triangles, ray.first_triangle + best.triangle))))
     {
         return false;
     }
