@@ -417,7 +417,8 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             continue;
         }
         const LsGridFrame frame = ls_grid_frame(mesh, choice->grid);
-        LsResult result = check_memory(bake, ls_grid_need(&frame), "the grid of an object", error);
+        LsResult result = check_memory(bake, ls_grid_need(&frame, mesh->triangle_count),
+                                       "the grid of an object", error);
         if (result == LS_OK)
         {
             result = ls_voxels_create(voxels, mesh, choice->grid, LS_MAX_DEPTH, bake->threads,
@@ -436,6 +437,7 @@ static LsResult make_voxels(Bake* bake, LsError* error)
         bake->report.crowded_object_count += voxels->frame.grid < choice->grid;
         count_voxels(bake, voxels);
     }
+    ls_memory_give_back(); // of divided voxels: more than what lasts, where many are
     return LS_OK;
 }
 
@@ -507,15 +509,18 @@ static void count_tables(Bake* bake)
 // once more, dearer.
 static LsResult make_tables(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_tables_need(bake->objects, bake->input.mesh_count, &bake->patches);
+    const uint64_t needed =
+        ls_tables_need(bake->objects, bake->input.mesh_count, &bake->patches, bake->threads);
     LsResult result = check_memory(bake, needed, "the table of shafts", error);
     result = result == LS_OK ? make_object_tables(bake, error) : result;
+    double dearer = 1.01;
     while (result == LS_OK && bake->desc->memory != 0 && count_memory(bake) > bake->desc->memory)
     {
         for (uint32_t i = 0; i < bake->input.mesh_count; i++)
         {
-            bake->choices[i].price *= 1.005;
+            bake->choices[i].price *= dearer;
         }
+        dearer *= dearer;
         result = make_object_tables(bake, error);
     }
     if (result == LS_OK)
@@ -540,7 +545,9 @@ static LsResult check_pack(const Bake* bake, LsError* error)
 
 static LsResult pack_all(Bake* bake, LsError* error)
 {
-    const uint64_t needed = ls_pack_need(bake->objects, bake->meshes, bake->input.mesh_count);
+    // Where N is given, this was asked before the tables were made.
+    const uint64_t needed =
+        bake->patches.chosen ? ls_pack_need(bake->objects, bake->input.mesh_count) : 0;
     LsResult result = check_memory(bake, needed, "the file in memory", error);
     if (result == LS_OK)
     {

@@ -15,6 +15,7 @@ static const double RATIOS[] = {1.0, 0.7, 1.4, 0.5, 2.0};
 
 // Voxels whose masks are made for a survey: the most, of all objects together, and the fewest. Bytes of an object then come out
 // within one or two of a hundred.
+#define SAMPLED_PART (63.0 / 64.0)
 #define MOST_SAMPLES 2048
 #define ALL_SAMPLES 4096
 #define FEWEST_SAMPLES 64
@@ -65,8 +66,8 @@ static LsResult add_survey(Chooser* chooser, uint32_t object, uint32_t grid, LsE
     Candidates* candidates = &chooser->objects[object];
     const LsMesh* mesh = &chooser->meshes[object];
     const LsGridFrame frame = ls_grid_frame(mesh, grid);
-    LsResult result = ls_memory_check(desc->max_memory, ls_grid_need(&frame), desc->scene,
-                                      "the grid of an object", error);
+    LsResult result = ls_memory_check(desc->max_memory, ls_grid_need(&frame, mesh->triangle_count),
+                                      desc->scene, "the grid of an object", error);
     if (result == LS_OK)
     {
         uint32_t samples = ALL_SAMPLES / chooser->input->mesh_count;
@@ -200,13 +201,14 @@ static Total sum_picked(const Chooser* chooser, double price)
     return total;
 }
 
+// With a little room, since samples tell bytes within one or two of a hundred.
 static bool fits(Chooser* chooser, double price, bool repicks)
 {
     if (repicks)
     {
         pick_surveys(chooser, price);
     }
-    return sum_picked(chooser, price).bytes <= (double)chooser->desc->memory;
+    return sum_picked(chooser, price).bytes <= SAMPLED_PART * (double)chooser->desc->memory;
 }
 
 // The least price at which all fits, and one just below at which it does not, or the same: by halving on a logarithmic
@@ -242,9 +244,10 @@ static Bracket bracket_price(Chooser* chooser, bool repicks)
 // either side of the least price that fits are kept, each at the least price of masks that fits then.
 static LsResult fill_memory(Chooser* chooser, double* price, LsError* error)
 {
-    if (!fits(chooser, MOST_PRICE, true))
+    pick_surveys(chooser, MOST_PRICE);
+    const double least = sum_picked(chooser, MOST_PRICE).bytes; // without masks, so exact
+    if (least > (double)chooser->desc->memory)
     {
-        const double least = sum_picked(chooser, MOST_PRICE).bytes;
         return ls_error_set(error, LS_MESSAGE_LIMIT_BUDGET,
                             "%s: triangles and voxels take %.1f MB at least, more than the %.1f MB "
                             "that --memory leaves for them; raise it, or bake fewer triangles",
@@ -253,7 +256,7 @@ static LsResult fill_memory(Chooser* chooser, double* price, LsError* error)
     }
     const Bracket grids = bracket_price(chooser, true);
     const double sides[2] = {grids.least, grids.below};
-    double prices[2], costs[2] = {INFINITY, INFINITY};
+    double prices[2] = {MOST_PRICE, MOST_PRICE}, costs[2] = {INFINITY, INFINITY};
     for (int side = 0; side < 2; side++)
     {
         pick_surveys(chooser, sides[side]);

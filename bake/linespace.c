@@ -53,6 +53,11 @@ static LsShaftTablesFill* choose_fill(void)
     return ls_shaft_tables_fill;
 }
 
+uint64_t ls_shaft_scratch_bytes(void)
+{
+    return sizeof(LsShaftScratch);
+}
+
 LsShaftScratch* ls_shaft_scratch_create(void)
 {
     LsShaftScratch* scratch = malloc(sizeof *scratch);

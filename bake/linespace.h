@@ -16,6 +16,7 @@
 typedef struct LsShaftScratch LsShaftScratch;
 LsShaftScratch* ls_shaft_scratch_create(void); // NULL when out of memory
 void ls_shaft_scratch_destroy(LsShaftScratch* scratch);
+uint64_t ls_shaft_scratch_bytes(void);
 
 // Sets bit k of the word of every shaft that triangle k may meet: each shaft whose hull, its two
 // patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more; all other

@@ -16,14 +16,19 @@ LsResult ls_memory_check(uint64_t limit, uint64_t needed, const char* scene, con
 // Bytes of private memory that this process has now; 0 where the system does not tell.
 uint64_t ls_memory_in_use(void);
 
-// The triangles of the largest mesh, made beside what it is made from.
+// Hands what malloc keeps of freed memory back to the system, where it can be asked to.
+void ls_memory_give_back(void);
+
+// What the largest mesh is made with: welded corners, marks of faces without area, and its triangles.
 uint64_t ls_mesh_need(const LsInput* input);
-// The dense table of a grid's blocks.
-uint64_t ls_grid_need(const LsGridFrame* frame);
-// The masks of all objects; 0 where N is to be chosen, since it is not known yet.
-uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count,
-                        const LsPatchesChoice* choice);
-// The arrays of the file, all made before the objects that are packed into them are freed.
-uint64_t ls_pack_need(const LsBakedObject* objects, const LsMesh* meshes, uint32_t count);
+// The dense table of a grid's blocks, and the triangles put into another order, with their new numbers.
+uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count);
+// The tables of all objects, and the more of what is worked with meanwhile and what packing, which comes next,
+// takes beside them. Where a choice finds N by voxel, only what is worked with: the tables are not known
+// beforehand.
+uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
+                        uint32_t threads);
+// What packing takes besides these tables, once they are made.
+uint64_t ls_pack_need(const LsBakedObject* objects, uint32_t count);
 
 #endif

@@ -8,6 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+// Most of the room that a growing array has too much.
+#define SPARE_BYTES (64u << 20)
+
+static LsResult report_memory(LsError* error)
+{
+    return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
+                        "out of memory for the arrays of the file");
+}
+
 static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* meshes,
                               const LsBakedObject* baked, LsError* error)
 {
@@ -46,21 +55,9 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
     pack->desc.LEAF_NODES_count = (uint32_t)leaf_nodes;
     pack->desc.SHAFTS_count = (uint32_t)shafts;
     pack->objects = calloc(input->mesh_count + 1ull, sizeof *pack->objects);
-    pack->triangles = malloc((triangles + 1) * sizeof *pack->triangles);
-    pack->blocks = malloc((blocks + 1) * sizeof *pack->blocks);
-    pack->cell_blocks = malloc((cell_blocks + 1) * sizeof *pack->cell_blocks);
-    pack->subgrids = malloc((subgrids + 1) * sizeof *pack->subgrids);
-    pack->voxels = malloc((voxels + 1) * sizeof *pack->voxels);
-    pack->references = malloc((references + 1) * sizeof *pack->references);
-    pack->leaf_nodes = malloc((leaf_nodes + 1) * sizeof *pack->leaf_nodes);
-    pack->shafts = malloc((shafts + 1) * sizeof *pack->shafts);
     pack->materials = malloc((input->material_count + 1ull) * sizeof *pack->materials);
-    bool ok = pack->objects && pack->triangles && pack->blocks && pack->cell_blocks &&
-              pack->subgrids && pack->voxels && pack->references && pack->leaf_nodes &&
-              pack->shafts && pack->materials;
-    return ok ? LS_OK
-              : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
-                             "out of memory for the arrays of the file");
+    const bool ok = pack->objects != NULL && pack->materials != NULL;
+    return ok ? LS_OK : report_memory(error);
 }
 
 static LsVoxel pack_voxel(const LsWorkVoxel* work)
@@ -113,45 +110,105 @@ static LsObject describe_object(const LsMesh* mesh, const LsBakedObject* baked, 
     return object;
 }
 
-static void append_object(LsPack* pack, LsObject* next, LsObject object, const LsMesh* mesh,
-                          const LsBakedObject* baked)
+uint64_t ls_pack_spare(uint64_t bytes)
 {
-    const LsVoxels* voxels = &baked->voxels;
-    object.first_triangle = next->first_triangle;
-    object.first_block = next->first_block;
-    object.first_cell_block = next->first_cell_block;
-    object.first_subgrid = next->first_subgrid;
-    object.first_voxel = next->first_voxel;
-    object.first_reference = next->first_reference;
-    object.first_leaf_node = next->first_leaf_node;
-    object.first_shaft_word = next->first_shaft_word;
+    return bytes / 16 < SPARE_BYTES ? bytes / 16 : SPARE_BYTES;
+}
 
-    // An array that is empty may be NULL, which memcpy does not take.
-#define COPY(target, source, count) \
-    if ((count) > 0)                \
-    memcpy((target), (source), sizeof *(target) * (size_t)(count))
-    COPY(pack->triangles + object.first_triangle, mesh->triangles, object.triangle_count);
-    COPY(pack->blocks + object.first_block, voxels->blocks, object.block_count);
-    COPY(pack->cell_blocks + object.first_cell_block, voxels->cell_blocks, object.cell_block_count);
-    COPY(pack->subgrids + object.first_subgrid, voxels->subgrids, object.subgrid_count);
-    COPY(pack->references + object.first_reference, voxels->references, object.reference_count);
-    COPY(pack->leaf_nodes + object.first_leaf_node, voxels->leaf_nodes, object.leaf_node_count);
-#undef COPY
-    ls_tables_copy(&baked->tables, pack->shafts + object.first_shaft_word);
-    for (uint32_t v = 0; v < object.voxel_count; v++)
+// Growing moves pages, not bytes, where the system can. False when out of memory.
+static bool append_copy(LsPackArray* array, const void* part, uint64_t count, size_t size)
+{
+    if (array->count + count > array->capacity)
     {
-        pack->voxels[object.first_voxel + v] = pack_voxel(&voxels->voxels[v]);
+        const uint64_t needed = array->count + count;
+        const uint64_t capacity = needed + ls_pack_spare(needed * size) / size;
+        void* records = realloc(array->records, capacity * size);
+        if (records == NULL)
+        {
+            return false;
+        }
+        array->records = records;
+        array->capacity = capacity;
     }
+    if (count > 0)
+    {
+        memcpy((char*)array->records + array->count * size, part, count * size);
+    }
+    array->count += count;
+    return true;
+}
 
-    next->first_triangle += object.triangle_count;
-    next->first_block += object.block_count;
-    next->first_cell_block += object.cell_block_count;
-    next->first_subgrid += object.subgrid_count;
-    next->first_voxel += object.voxel_count;
-    next->first_reference += object.reference_count;
-    next->first_leaf_node += object.leaf_node_count;
-    next->first_shaft_word += object.shaft_word_count;
+// Appends a part that malloc made, which is not the caller's any more: the first becomes the array itself.
+static bool append_part(LsPackArray* array, void* part, uint64_t count, size_t size)
+{
+    if (array->records == NULL && count > 0)
+    {
+        *array = (LsPackArray){.records = part, .count = count, .capacity = count};
+        return true;
+    }
+    const bool ok = append_copy(array, part, count, size);
+    free(part);
+    return ok;
+}
+
+static bool append_tables(LsPackArray* array, LsTables* tables)
+{
+    bool ok = true;
+    for (uint32_t b = 0; b < tables->block_count && ok; b++)
+    {
+        LsTableBlock* block = &tables->blocks[b];
+        ok = append_copy(array, block->words, block->word_count, sizeof *block->words);
+        ls_table_block_destroy(block);
+    }
+    return ok;
+}
+
+static bool append_voxels(LsPackArray* array, LsVoxels* work)
+{
+    LsVoxel* voxels = malloc((work->voxel_count + 1ull) * sizeof *voxels);
+    if (voxels == NULL)
+    {
+        return false;
+    }
+    for (uint32_t i = 0; i < work->voxel_count; i++)
+    {
+        voxels[i] = pack_voxel(&work->voxels[i]);
+    }
+    free(work->voxels);
+    work->voxels = NULL;
+    return append_part(array, voxels, work->voxel_count, sizeof *voxels);
+}
+
+// Takes an object's arrays over, all it had. False when out of memory: the caller still has what is left.
+static bool append_object(LsPack* pack, LsObject object, LsMesh* mesh, LsBakedObject* baked)
+{
+    LsVoxels* voxels = &baked->voxels;
+    object.first_triangle = (uint32_t)pack->triangles.count;
+    object.first_block = (uint32_t)pack->blocks.count;
+    object.first_cell_block = (uint32_t)pack->cell_blocks.count;
+    object.first_subgrid = (uint32_t)pack->subgrids.count;
+    object.first_voxel = (uint32_t)pack->voxels.count;
+    object.first_reference = (uint32_t)pack->references.count;
+    object.first_leaf_node = (uint32_t)pack->leaf_nodes.count;
+    object.first_shaft_word = (uint32_t)pack->shafts.count;
     pack->objects[pack->desc.OBJECTS_count++] = object;
+
+    bool ok = true;
+#define APPEND(array, part, count)                                   \
+    if (ok)                                                          \
+    {                                                                \
+        ok = append_part(&(array), (part), (count), sizeof *(part)); \
+        (part) = NULL;                                               \
+    }
+    APPEND(pack->triangles, mesh->triangles, object.triangle_count)
+    APPEND(pack->blocks, voxels->blocks, object.block_count)
+    APPEND(pack->cell_blocks, voxels->cell_blocks, object.cell_block_count)
+    APPEND(pack->subgrids, voxels->subgrids, object.subgrid_count)
+    APPEND(pack->references, voxels->references, object.reference_count)
+    APPEND(pack->leaf_nodes, voxels->leaf_nodes, object.leaf_node_count)
+#undef APPEND
+    return ok && append_voxels(&pack->voxels, voxels) &&
+           append_tables(&pack->shafts, &baked->tables);
 }
 
 LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,
@@ -172,24 +229,27 @@ LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObj
         ls_pack_destroy(pack);
         return result;
     }
-    LsObject next = {0};
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
-        append_object(pack, &next, describe_object(&meshes[i], &baked[i], patches), &meshes[i],
-                      &baked[i]);
+        const LsObject object = describe_object(&meshes[i], &baked[i], patches);
+        if (!append_object(pack, object, &meshes[i], &baked[i]))
+        {
+            ls_pack_destroy(pack);
+            return report_memory(error);
+        }
         ls_mesh_destroy(&meshes[i]);
         ls_voxels_destroy(&baked[i].voxels);
         ls_tables_destroy(&baked[i].tables);
     }
     desc->objects = pack->objects;
-    desc->triangles = pack->triangles;
-    desc->blocks = pack->blocks;
-    desc->cell_blocks = pack->cell_blocks;
-    desc->subgrids = pack->subgrids;
-    desc->voxels = pack->voxels;
-    desc->references = pack->references;
-    desc->leaf_nodes = pack->leaf_nodes;
-    desc->shafts = pack->shafts;
+    desc->triangles = pack->triangles.records;
+    desc->blocks = pack->blocks.records;
+    desc->cell_blocks = pack->cell_blocks.records;
+    desc->subgrids = pack->subgrids.records;
+    desc->voxels = pack->voxels.records;
+    desc->references = pack->references.records;
+    desc->leaf_nodes = pack->leaf_nodes.records;
+    desc->shafts = pack->shafts.records;
     desc->instances = world->instances;
     desc->INSTANCES_count = world->instance_count;
     desc->top_nodes = world->top_nodes;
@@ -219,14 +279,14 @@ LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObj
 void ls_pack_destroy(LsPack* pack)
 {
     free(pack->objects);
-    free(pack->triangles);
-    free(pack->blocks);
-    free(pack->cell_blocks);
-    free(pack->subgrids);
-    free(pack->voxels);
-    free(pack->references);
-    free(pack->leaf_nodes);
-    free(pack->shafts);
+    free(pack->triangles.records);
+    free(pack->blocks.records);
+    free(pack->cell_blocks.records);
+    free(pack->subgrids.records);
+    free(pack->voxels.records);
+    free(pack->references.records);
+    free(pack->leaf_nodes.records);
+    free(pack->shafts.records);
     free(pack->materials);
     ls_pack_looks_destroy(&pack->looks);
     *pack = (LsPack){0};

@@ -4,6 +4,7 @@
 
 #include "cost_model.h"
 #include "ls_format.h"
+#include "pages.h"
 #include "shaft_cost.h"
 #include "voxel_masks.h"
 
@@ -53,11 +54,35 @@ typedef struct Worker
     uint32_t* best; // LS_SHAFT_COUNT(choice->patches) words each
     uint32_t* current;
     uint32_t* next;
+    uint32_t* gathered; // tables of a block whose words are not known beforehand; gathered_capacity
+    uint64_t gathered_capacity;
 } Worker;
+
+static size_t count_mask_bytes(const LsPatchesChoice* choice)
+{
+    return sizeof(uint32_t) * LS_SHAFT_COUNT(choice->patches);
+}
+
+uint64_t ls_tables_words(const LsWorkVoxel* voxels, uint32_t count, uint32_t patches)
+{
+    uint64_t sum = 0;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        sum += voxels[i].kind == LS_VOXEL_MASKS
+                   ? ls_mask_words(LS_SHAFT_COUNT(patches), voxels[i].reference_count)
+                   : 0;
+    }
+    return sum;
+}
+
+uint64_t ls_tables_work_bytes(const LsPatchesChoice* choice)
+{
+    return ls_shaft_scratch_bytes() + (choice->chosen ? 3 : 1) * (uint64_t)count_mask_bytes(choice);
+}
 
 static bool create_worker(Worker* worker)
 {
-    const size_t bytes = sizeof(uint32_t) * LS_SHAFT_COUNT(worker->choice->patches);
+    const size_t bytes = count_mask_bytes(worker->choice);
     const bool ok = ls_voxel_masks_create(&worker->masks, worker->voxels, worker->mesh);
     worker->best = malloc(bytes);
     worker->current = worker->choice->chosen ? malloc(bytes) : NULL;
@@ -72,6 +97,7 @@ static void destroy_worker(Worker* worker)
     free(worker->best);
     free(worker->current);
     free(worker->next);
+    free(worker->gathered);
 }
 
 static void swap_masks(uint32_t** a, uint32_t** b)
@@ -138,27 +164,44 @@ static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double*
     return best;
 }
 
-static bool reserve_words(LsTableBlock* block, uint64_t count)
+// Room for all tables of a block, at most `most` words; NULL when out of memory. Where N is given they all come, and go
+// where they stay. Where it is chosen they are gathered first, since only then their size is known.
+static uint32_t* reserve_words(Worker* worker, LsTableBlock* block, uint64_t most)
 {
-    if (block->word_count + count <= block->capacity)
+    if (!worker->choice->chosen)
+    {
+        return block->words = ls_pages_create(most * sizeof(uint32_t));
+    }
+    if (most > worker->gathered_capacity)
+    {
+        free(worker->gathered);
+        worker->gathered = malloc(most * sizeof(uint32_t));
+        worker->gathered_capacity = worker->gathered != NULL ? most : 0;
+    }
+    return worker->gathered;
+}
+
+// Gives a block the words that were gathered for it. False when out of memory.
+static bool keep_gathered(const Worker* worker, LsTableBlock* block)
+{
+    const size_t bytes = block->word_count * sizeof(uint32_t);
+    if (bytes == 0)
     {
         return true;
     }
-    // Below 2^32 for LS_TABLE_VOXELS of the largest tables.
-    const uint64_t capacity = block->capacity * 3ull / 2 + count;
-    uint32_t* words = realloc(block->words, capacity * sizeof(uint32_t));
-    if (words == NULL)
+    block->words = ls_pages_create(bytes);
+    if (block->words == NULL)
     {
         return false;
     }
-    block->words = words;
-    block->capacity = (uint32_t)capacity;
+    memcpy(block->words, worker->gathered, bytes);
     return true;
 }
 
-// Appends the table of a voxel of kind MASKS, or makes it a LIST. Its `table` counts from the block's
-// first word. False when out of memory.
-static bool add_table(Worker* worker, LsTableBlock* block, LsWorkVoxel* voxel, double* tests)
+// Appends the table of a voxel of kind MASKS to the block's `words`, or makes it a LIST. Its `table` counts
+// from the first of them.
+static void add_table(Worker* worker, LsTableBlock* block, uint32_t* words, LsWorkVoxel* voxel,
+                      double* tests)
 {
     ls_voxel_masks_begin(&worker->masks, voxel);
     uint32_t patches = worker->choice->patches;
@@ -175,21 +218,15 @@ static bool add_table(Worker* worker, LsTableBlock* block, LsWorkVoxel* voxel, d
     {
         voxel->kind = LS_VOXEL_LIST;
         voxel->patches = voxel->table = 0;
-        return true;
+        return;
     }
     const uint32_t shafts = LS_SHAFT_COUNT(patches);
-    const uint64_t words = ls_mask_words(shafts, voxel->reference_count);
-    if (!reserve_words(block, words))
-    {
-        return false;
-    }
     voxel->patches = patches;
     voxel->table = block->word_count;
     block->filled_count +=
-        pack_masks(worker->best, shafts, voxel->reference_count, block->words + block->word_count);
-    block->word_count += (uint32_t)words;
+        pack_masks(worker->best, shafts, voxel->reference_count, words + block->word_count);
+    block->word_count += (uint32_t)ls_mask_words(shafts, voxel->reference_count);
     block->shaft_count += shafts;
-    return true;
 }
 
 // ---- All voxels ---------------------------------------------------------------------------------------
@@ -198,35 +235,39 @@ static bool fill_block(Worker* worker, LsTableBlock* block, LsWorkVoxel* first, 
 {
     for (uint32_t i = 0; i < count; i++)
     {
+        if (first[i].kind == LS_VOXEL_LIST) // which another price may have made of it
+        {
+            first[i].kind = ls_voxel_kind(first[i].reference_count);
+        }
+    }
+    const uint64_t most = ls_tables_words(first, count, worker->choice->patches);
+    uint32_t* words = most > 0 ? reserve_words(worker, block, most) : NULL;
+    if (most > 0 && words == NULL)
+    {
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++)
+    {
         LsWorkVoxel* voxel = &first[i];
         double tests = voxel->reference_count;
         if (voxel->kind == LS_VOXEL_SUBGRID)
         {
             continue;
         }
-        if (voxel->kind == LS_VOXEL_LIST) // which another price may have made of it
-        {
-            voxel->kind = ls_voxel_kind(voxel->reference_count);
-        }
         if (voxel->kind == LS_VOXEL_BVH)
         {
             tests = ls_leaf_bvh_tests(worker->voxels->leaf_nodes + voxel->table, voxel);
         }
-        if (voxel->kind == LS_VOXEL_MASKS && !add_table(worker, block, voxel, &tests))
+        if (voxel->kind == LS_VOXEL_MASKS)
         {
-            return false;
+            add_table(worker, block, words, voxel, &tests);
         }
         const double visits = ls_voxel_visits(voxel);
         block->visits += visits;
         block->lookups += voxel->kind == LS_VOXEL_MASKS ? visits : 0.0;
         block->tests += visits * tests;
     }
-    if (block->word_count > 0) // gives back what it has too much
-    {
-        uint32_t* words = realloc(block->words, block->word_count * sizeof(uint32_t));
-        block->words = words != NULL ? words : block->words;
-    }
-    return true;
+    return !worker->choice->chosen || keep_gathered(worker, block);
 }
 
 static LsResult check_words(uint64_t count, LsError* error)
@@ -237,20 +278,6 @@ static LsResult check_words(uint64_t count, LsError* error)
                               "the shaft tables of an object need %llu MiB, more than the format "
                               "holds; use fewer --patches",
                               (unsigned long long)(count >> 18));
-}
-
-// Words of all tables of the same N.
-static uint64_t count_words(const LsVoxels* voxels, uint32_t patches)
-{
-    uint64_t sum = 0;
-    for (uint32_t i = 0; i < voxels->voxel_count; i++)
-    {
-        const LsWorkVoxel* voxel = &voxels->voxels[i];
-        sum += voxel->kind == LS_VOXEL_MASKS
-                   ? ls_mask_words(LS_SHAFT_COUNT(patches), voxel->reference_count)
-                   : 0;
-    }
-    return sum;
 }
 
 // Puts the blocks one behind the other, in order, so that sums do not depend on threads.
@@ -322,8 +349,8 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
 {
     // What is known beforehand is refused before the work.
     *tables = (LsTables){0};
-    LsResult result =
-        choice->chosen ? LS_OK : check_words(count_words(voxels, choice->patches), error);
+    const uint64_t words = ls_tables_words(voxels->voxels, voxels->voxel_count, choice->patches);
+    LsResult result = choice->chosen ? LS_OK : check_words(words, error);
     if (result != LS_OK)
     {
         return result;
@@ -348,25 +375,18 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
     return result;
 }
 
+void ls_table_block_destroy(LsTableBlock* block)
+{
+    ls_pages_destroy(block->words, block->word_count * sizeof(uint32_t));
+    block->words = NULL;
+}
+
 void ls_tables_destroy(LsTables* tables)
 {
     for (uint32_t b = 0; tables->blocks != NULL && b < tables->block_count; b++)
     {
-        free(tables->blocks[b].words);
+        ls_table_block_destroy(&tables->blocks[b]);
     }
     free(tables->blocks);
     *tables = (LsTables){0};
-}
-
-void ls_tables_copy(const LsTables* tables, uint32_t* words)
-{
-    for (uint32_t b = 0; b < tables->block_count; b++)
-    {
-        const LsTableBlock* block = &tables->blocks[b];
-        if (block->word_count > 0)
-        {
-            memcpy(words, block->words, block->word_count * sizeof(uint32_t));
-        }
-        words += block->word_count;
-    }
 }

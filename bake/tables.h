@@ -16,9 +16,8 @@ typedef struct LsPatchesChoice
 // Tables of LS_TABLE_VOXELS voxels, one behind the other.
 typedef struct LsTableBlock
 {
-    uint32_t* words;
+    uint32_t* words; // ls_pages_create; NULL if there are none
     uint32_t word_count;
-    uint32_t capacity;
     uint64_t shaft_count;
     uint64_t filled_count; // shafts whose mask is not 0
     double visits;         // of voxels that rays test triangles in: ls_voxel_visits
@@ -48,8 +47,11 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
                           const LsPatchesChoice* choice, uint32_t threads,
                           const LsStageProgress* progress, LsError* error);
 void ls_tables_destroy(LsTables* tables);
+void ls_table_block_destroy(LsTableBlock* block); // of its words alone; its counts stay
 
-// Copies all tables, word_count words.
-void ls_tables_copy(const LsTables* tables, uint32_t* words);
+// Words of the tables of these voxels if all have the same N.
+uint64_t ls_tables_words(const LsWorkVoxel* voxels, uint32_t count, uint32_t patches);
+// Bytes that each thread works with besides the tables; where N is chosen, besides those of a block too.
+uint64_t ls_tables_work_bytes(const LsPatchesChoice* choice);
 
 #endif

@@ -116,11 +116,12 @@ LsResult ls_buffer_create(const LsContext* context, LsBufferKind kind, VkDeviceS
     LsResult result;
     if (bytes > context->max_buffer_bytes)
     {
-        result = ls_error_set(
-            error, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
-            "%s: %s takes %.1f MiB, but the device's largest buffer is %.1f MiB: bake with a "
-            "smaller --grid or --patches",
-            name, what, (double)bytes / MIB, (double)context->max_buffer_bytes / MIB);
+        result =
+            ls_error_set(error, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
+                         "%s: %s takes %.1f MiB, but the device's largest buffer is %.1f MiB: bake "
+                         "fewer objects, "
+                         "instances and lights into a file",
+                         name, what, (double)bytes / MIB, (double)context->max_buffer_bytes / MIB);
     }
     else
     {

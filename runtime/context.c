@@ -118,6 +118,19 @@ static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* sub
     return is_able && size >= 4 && size <= 32 && (size & (size - 1)) == 0 ? size : 0;
 }
 
+// Segments are at most 1 GiB, for shaders to compute offsets in 32 bits, and at least 1 KiB.
+static uint32_t choose_segment(uint64_t wanted_bytes, uint64_t most_bytes)
+{
+    const uint64_t bytes =
+        wanted_bytes != 0 && wanted_bytes < most_bytes ? wanted_bytes : most_bytes;
+    uint32_t log2 = 30;
+    while (log2 > 10 && UINT64_C(1) << log2 > bytes)
+    {
+        log2--;
+    }
+    return log2;
+}
+
 // Fills the facts of the device and refuses one that cannot run the kernel.
 static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunctions* vk,
                                LsContext* context, LsError* error)
@@ -161,6 +174,7 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     {
         context->max_buffer_bytes = buffers.maxBufferSize;
     }
+    context->segment_log2 = choose_segment(desc->segment_bytes, context->max_buffer_bytes);
     // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
     context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
     context->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;

@@ -53,6 +53,7 @@ struct LsContext
     LsDeviceFunctions vk;
     VkPhysicalDeviceMemoryProperties memory;
     VkDeviceSize max_buffer_bytes; // largest buffer with memory of its own
+    uint32_t segment_log2;         // of the bytes of a segment of a cut array
     uint32_t max_group_count;      // work groups of one dispatch
     uint64_t max_loop_rounds;      // of one shader invocation, all loops together
     uint32_t shared_lanes;         // of a subgroup, if lanes can share work: 4, 8, 16 or 32; else 0

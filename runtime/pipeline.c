@@ -14,6 +14,7 @@ enum
     GROUP_SIZE = FIRST_FEATURE + LS_FEATURE_COUNT,
     DEFERS,
     REFILL,
+    SEGMENT_LOG2,
     CONSTANT_COUNT
 };
 
@@ -21,6 +22,7 @@ static const uint32_t CONSTANT_IDS[CONSTANT_COUNT] = {
     [GROUP_SIZE] = LS_CONSTANT_GROUP_SIZE,
     [DEFERS] = LS_CONSTANT_DEFERS,
     [REFILL] = LS_CONSTANT_REFILL,
+    [SEGMENT_LOG2] = LS_CONSTANT_SEGMENT_LOG2,
 };
 static_assert(GROUP_SIZE <= LS_CONSTANT_GROUP_SIZE, "features run into the next constant");
 
@@ -106,36 +108,38 @@ static LsResult create_pipeline(const LsContext* context, const KernelDesc* desc
 }
 
 static KernelDesc describe(const LsContext* context, const uint32_t* code, size_t code_bytes,
-                           uint64_t features, LsMethod method, uint32_t group_size, bool refills)
+                           const LsTraceKernelDesc* scene, LsMethod method, uint32_t group_size,
+                           bool refills)
 {
     KernelDesc desc = {.code = code, .code_bytes = code_bytes};
     desc.constants[METHOD] = method;
     for (uint32_t i = FIRST_FEATURE; i < GROUP_SIZE; i++)
     {
-        desc.constants[i] = (uint32_t)(features >> (i - FIRST_FEATURE) & 1u);
+        desc.constants[i] = (uint32_t)(scene->features >> (i - FIRST_FEATURE) & 1u);
     }
     desc.constants[GROUP_SIZE] = group_size;
     desc.constants[REFILL] = refills;
+    desc.constants[SEGMENT_LOG2] = scene->segment_log2;
     desc.constants[DEFERS] = !context->is_cpu;
     return desc;
 }
 
-static LsResult create_passes(const LsContext* context, uint64_t features, LsTraceKernel* kernel,
-                              LsError* error)
+static LsResult create_passes(const LsContext* context, const LsTraceKernelDesc* scene,
+                              LsTraceKernel* kernel, LsError* error)
 {
-    const KernelDesc lists = describe(context, trace_lists_spv, sizeof(trace_lists_spv), features,
+    const KernelDesc lists = describe(context, trace_lists_spv, sizeof(trace_lists_spv), scene,
                                       LS_TRACE_EXACT, LS_LISTS_GROUP_SIZE, false);
     LsResult result = create_pipeline(context, &lists, kernel->layout, &kernel->lists, error);
     for (int refills = 0; refills <= 1 && result == LS_OK; refills++)
     {
-        const KernelDesc grid = describe(context, trace_grid_spv, sizeof(trace_grid_spv), features,
+        const KernelDesc grid = describe(context, trace_grid_spv, sizeof(trace_grid_spv), scene,
                                          LS_TRACE_EXACT, context->shared_lanes, refills);
         result = create_pipeline(context, &grid, kernel->layout, &kernel->grid[refills], error);
     }
     return result;
 }
 
-LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, bool has_passes,
+LsResult ls_trace_kernel_create(const LsContext* context, const LsTraceKernelDesc* scene,
                                 LsTraceKernel* kernel, LsError* error)
 {
     *kernel = (LsTraceKernel){0};
@@ -144,13 +148,13 @@ LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, boo
     const uint32_t method_count = context->measures ? LS_TRACE_METHOD_COUNT : LS_TRACE_GRID;
     for (uint32_t method = 0; method < method_count && result == LS_OK; method++)
     {
-        const KernelDesc desc = describe(context, trace_spv, sizeof(trace_spv), features,
+        const KernelDesc desc = describe(context, trace_spv, sizeof(trace_spv), scene,
                                          (LsMethod)method, LS_TRACE_GROUP_SIZE, false);
         result = create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
     }
-    if (result == LS_OK && has_passes)
+    if (result == LS_OK && scene->has_passes)
     {
-        result = create_passes(context, features, kernel, error);
+        result = create_passes(context, scene, kernel, error);
     }
     if (result != LS_OK)
     {

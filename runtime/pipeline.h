@@ -24,10 +24,16 @@ typedef struct LsTraceKernel
     VkPipeline grid[2]; // by whether lanes whose ray has ended take another
 } LsTraceKernel;
 
-// Compiles the kernels for files with these required features: what they do not use is not in them.
-// `has_passes`: those of two passes as well. On failure all of it is null. Errors: DEVICE_MEMORY,
-// DEVICE_LOST, DEVICE, MEMORY.
-LsResult ls_trace_kernel_create(const LsContext* context, uint64_t features, bool has_passes,
+// What the kernels are compiled for: what scenes do not use is not in them.
+typedef struct LsTraceKernelDesc
+{
+    uint64_t features;     // required ones of the file
+    uint32_t segment_log2; // of the scene: 0 if no array is cut
+    bool has_passes;       // the kernels of two passes as well
+} LsTraceKernelDesc;
+
+// On failure all of it is null. Errors: DEVICE_MEMORY, DEVICE_LOST, DEVICE, MEMORY.
+LsResult ls_trace_kernel_create(const LsContext* context, const LsTraceKernelDesc* scene,
                                 LsTraceKernel* kernel, LsError* error);
 void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel);
 

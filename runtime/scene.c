@@ -4,11 +4,14 @@
 
 #include <stdlib.h>
 
-// The arrays that tracing reads: chunk and the field of LsTraceScene that says where it lies.
-#define TRACE_CHUNK_LIST(X)     \
-    X(OBJECTS, objects)         \
-    X(INSTANCES, instances)     \
-    X(TOP_NODES, top_nodes)     \
+// The arrays that tracing reads: chunk and the field of LsTraceScene that says where it lies. Those that grow
+// with triangles and cells may be cut.
+#define TRACE_CHUNK_LIST(X) \
+    X(OBJECTS, objects)     \
+    X(INSTANCES, instances) \
+    X(TOP_NODES, top_nodes) \
+    LARGE_CHUNK_LIST(X)
+#define LARGE_CHUNK_LIST(X)     \
     X(TRIANGLES, triangles)     \
     X(BLOCKS, blocks)           \
     X(CELL_BLOCKS, cell_blocks) \
@@ -34,17 +37,55 @@ static bool lies_on_device(LsChunk chunk)
     }
 }
 
-static LsResult upload_array(LsScene* scene, LsUpload* upload, LsBuffer* buffer, const void* bytes,
-                             VkDeviceSize size, const char* name, const char* what, LsError* error)
+static bool is_large(LsChunk chunk)
 {
-    LsResult result =
-        ls_buffer_create(scene->context, LS_BUFFER_SCENE, size, name, what, buffer, error);
-    if (result != LS_OK)
+    switch (chunk)
     {
-        return result;
+#define CHUNK_CASE(NAME, field) case LS_CHUNK_##NAME:
+        LARGE_CHUNK_LIST(CHUNK_CASE)
+#undef CHUNK_CASE
+        return true;
+    default:
+        return false;
     }
-    scene->device_bytes += size;
-    return ls_upload_copy(upload, buffer, bytes, size, error);
+}
+
+// The size of segments, or 0 if none of the arrays needs more than one: then shaders have no table to look at.
+static uint32_t choose_segments(const LsContext* context, const LsFile* file)
+{
+    for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
+    {
+        const uint32_t stride = ls_chunk_info(chunk).stride;
+        if (is_large(chunk) &&
+            ls_file_count(file, chunk) > ls_array_segment_records(stride, context->segment_log2))
+        {
+            return context->segment_log2;
+        }
+    }
+    return 0;
+}
+
+static LsResult upload_array(LsScene* scene, LsUpload* upload, const LsArrayDesc* desc,
+                             LsArray* array, LsError* error)
+{
+    const LsResult result = ls_array_create(upload, desc, array, error);
+    scene->device_bytes += array->device_bytes;
+    return result;
+}
+
+static LsResult upload_chunk(LsScene* scene, LsUpload* upload, const LsFile* file, LsChunk chunk,
+                             const char* name, LsError* error)
+{
+    const LsEntry* entry = file->chunk_entries[chunk];
+    const LsArrayDesc desc = {
+        .records = file->bytes + entry->offset,
+        .count = entry->element_count,
+        .stride = entry->stride,
+        .segment_log2 = is_large(chunk) ? scene->segment_log2 : 0,
+        .name = name,
+        .what = ls_chunk_info(chunk).name,
+    };
+    return upload_array(scene, upload, &desc, &scene->chunks[chunk], error);
 }
 
 static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file, const char* name,
@@ -52,12 +93,9 @@ static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file
 {
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
     {
-        const LsEntry* entry = file->chunk_entries[chunk];
-        if (entry && lies_on_device(chunk))
+        if (file->chunk_entries[chunk] && lies_on_device(chunk))
         {
-            LsResult result =
-                upload_array(scene, upload, &scene->chunks[chunk], file->bytes + entry->offset,
-                             entry->stored_bytes, name, ls_chunk_info(chunk).name, error);
+            LsResult result = upload_chunk(scene, upload, file, chunk, name, error);
             if (result != LS_OK)
             {
                 return result;
@@ -77,8 +115,14 @@ static LsResult upload_file(LsScene* scene, LsUpload* upload, const LsFile* file
         .lights = scene->chunks[LS_CHUNK_LIGHTS].address,
         .light_count = ls_file_count(file, LS_CHUNK_LIGHTS),
     };
-    return upload_array(scene, upload, &scene->table, &table, sizeof(table), name,
-                        "the table of arrays", error);
+    const LsArrayDesc desc = {
+        .records = &table,
+        .count = 1,
+        .stride = sizeof(table),
+        .name = name,
+        .what = "the table of arrays",
+    };
+    return upload_array(scene, upload, &desc, &scene->table, error);
 }
 
 static VkDeviceSize find_largest_upload(const LsFile* file)
@@ -179,8 +223,12 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     if (result == LS_OK)
     {
         prepare_passes(scene, file);
-        result = ls_trace_kernel_create(scene->context, scene->features, scene->has_passes,
-                                        &scene->kernel, error);
+        const LsTraceKernelDesc desc = {
+            .features = scene->features,
+            .segment_log2 = scene->segment_log2,
+            .has_passes = scene->has_passes,
+        };
+        result = ls_trace_kernel_create(scene->context, &desc, &scene->kernel, error);
     }
     LsResult ended = ls_upload_end(&upload, result == LS_OK ? error : NULL);
     return result == LS_OK ? ended : result;
@@ -202,6 +250,7 @@ LsResult ls_scene_create(LsContext* context, const LsFile* file, const char* nam
     }
     made->context = context;
     made->features = file->header->required_features;
+    made->segment_log2 = choose_segments(context, file);
     made->brute_rounds = count_brute_rounds(file);
     result = fill_scene(made, file, name, error);
     if (result != LS_OK)
@@ -223,9 +272,9 @@ void ls_scene_destroy(LsScene* scene)
     ls_trace_kernel_destroy(context, &scene->kernel);
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
     {
-        ls_buffer_destroy(context, &scene->chunks[chunk]);
+        ls_array_destroy(context, &scene->chunks[chunk]);
     }
-    ls_buffer_destroy(context, &scene->table);
+    ls_array_destroy(context, &scene->table);
     free(scene);
 }
 
@@ -242,6 +291,11 @@ LsTraceScene ls_scene_trace(const LsScene* scene)
 uint64_t ls_scene_features(const LsScene* scene)
 {
     return scene->features;
+}
+
+uint32_t ls_scene_segment_log2(const LsScene* scene)
+{
+    return scene->segment_log2;
 }
 
 uint64_t ls_scene_device_bytes(const LsScene* scene)

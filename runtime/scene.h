@@ -3,15 +3,16 @@
 #ifndef LS_SCENE_H
 #define LS_SCENE_H
 
-#include "buffer.h"
+#include "array.h"
 #include "pipeline.h"
 
 struct LsScene
 {
     const LsContext* context;
-    uint64_t features;               // required features of the file
-    LsBuffer chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
-    LsBuffer table;                  // LsDeviceScene
+    uint64_t features;              // required features of the file
+    uint32_t segment_log2;          // of arrays that grow with the scene; 0: none is cut
+    LsArray chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
+    LsArray table;                  // LsDeviceScene
     LsTraceScene trace;
     LsTraceKernel kernel;
     LsGridParams grid; // for the second of two passes, without what belongs to a batch

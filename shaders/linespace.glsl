@@ -9,6 +9,9 @@
 //     ...
 //     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
 //
+// The pipeline must be specialized with ls_scene_segment_log2() as LS_CONSTANT_SEGMENT_LOG2 where that is not 0, and
+// may be with the bits of ls_scene_features() as constants 1 and on, which leaves out what the scene does not use.
+//
 // The walk through the cells is walk.glsl, the triangle test triangle.glsl.
 
 #ifndef LS_LINESPACE_GLSL
@@ -23,7 +26,6 @@ const uint LS_MAX_ROUNDS = 1u << 24;
 // Tests the references whose bit is set in `mask`. True if the ray may end.
 bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_reference, uint mask)
 {
-    LsWordArray references = LsWordArray(ls_scene.references);
     ls_work.z += bitCount(mask);
     uint left = LS_DEFERS != 0u ? 0u : mask;
     mask = LS_DEFERS != 0u ? mask : 0u;
@@ -31,7 +33,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
-        uint index = ray.first_triangle + references.at[first_reference + bit];
+        uint index = ray.first_triangle + LS_LOAD_WORD(ls_scene.references, first_reference + bit);
         left |= ls_may_meet(ls_project(ray, index)) ? 1u << bit : 0u;
     }
     ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
@@ -39,7 +41,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(left));
         left &= left - 1u;
-        if (ls_test_triangle(ray, best, references.at[first_reference + bit]))
+        if (ls_test_triangle(ray, best, LS_LOAD_WORD(ls_scene.references, first_reference + bit)))
         {
             return true;
         }
@@ -157,8 +159,10 @@ LsHit ls_make_hit(LsRay ray, LsBest best, float scale, uint flags)
         ls_carry_ray(ray, best.instance, best.t, flags, local);
         uint index = local.first_triangle + best.triangle;
         hit.object = local.object;
-        hit.primitive = LsTriangleArray(ls_scene.triangles).at[index].primitive;
-        hit.material = LsTriangleArray(ls_scene.triangles).at[index].material;
+        uint at = index;
+        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, at);
+        hit.primitive = triangles.at[at].primitive;
+        hit.material = triangles.at[at].material;
         if (!any)
         {
             vec2 weights = ls_hit_weights(ls_project(local, index));

@@ -60,8 +60,10 @@ LsHitSurface load_surface(uint instance_index, uint triangle_index, vec2 weights
     {
         rows = instances.at[instance_index].world_from_object;
     }
-    return ls_surface(LsTriangleArray(ls_scene.triangles).at[first_triangle + triangle_index], rows,
-                      (flags & LS_INSTANCE_MIRRORED) != 0u, weights, ls_scene.transform_bound);
+    uint index = first_triangle + triangle_index;
+    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
+    return ls_surface(triangles.at[index], rows, (flags & LS_INSTANCE_MIRRORED) != 0u, weights,
+                      ls_scene.transform_bound);
 }
 
 float luminance(vec3 color)
@@ -107,7 +109,8 @@ vec3 sample_lights(LsHitSurface surface, vec3 normal, vec3 random)
         load_surface(light.instance, light.triangle, ls_sample_triangle(random.yz));
     uint object = LsInstanceArray(ls_scene.instances).at[light.instance].object;
     uint triangle = LsObjectArray(ls_scene.objects).at[object].first_triangle + light.triangle;
-    uint material_index = LsTriangleArray(ls_scene.triangles).at[triangle].material;
+    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, triangle);
+    uint material_index = triangles.at[triangle].material;
     LsMaterial material = LsMaterialArray(device_scene.materials).at[material_index];
 
     vec3 way = emitter.position - surface.position;

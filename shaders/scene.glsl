@@ -28,6 +28,9 @@ layout(constant_id = LS_CONSTANT_DEFERS) const uint LS_DEFERS = 1;
 // begin at 0.
 #define LS_FIRST(index) (LS_HAS_TOP_LEVEL != 0u ? (index) : 0u)
 
+// 0: no array is cut; else the log2 of a segment's bytes.
+layout(constant_id = LS_CONSTANT_SEGMENT_LOG2) const uint LS_SEGMENT_LOG2 = 0;
+
 #define LS_ARRAY(name, type, alignment)                                                       \
     layout(buffer_reference, std430, buffer_reference_align = alignment) readonly buffer name \
     {                                                                                         \
@@ -42,6 +45,46 @@ LS_ARRAY(LsLightArray, LsLight, 16);
 LS_ARRAY(LsTriangleArray, LsTriangle, 16);
 LS_ARRAY(LsVoxelArray, LsVoxel, 16);
 LS_ARRAY(LsWordArray, uint, 4);
+LS_ARRAY(LsAddressArray, uvec2, 8);
+
+// Records of the arrays that grow with triangles and cells: TRIANGLES, BLOCKS, CELL_BLOCKS, SUBGRIDS, VOXELS,
+// REFERENCES, LEAF_NODES and SHAFTS are read through these alone. `array` is the address in LsTraceScene; macros
+// may name an argument twice. As functions they cost the second pass 5 to 12 % of its speed on an NVIDIA
+// H100 although nothing is cut (docs/benchmarks.md, "Large input").
+
+// The address of the segment that record `index` lies in, and the record's number there. Segments hold as many
+// records as if one took 2^record_log2 bytes.
+#define LS_SEGMENT(array, index, record_log2) \
+    (LS_SEGMENT_LOG2 == 0u ? (array)          \
+                           : LsAddressArray(array).at[(index) >> (LS_SEGMENT_LOG2 - record_log2)])
+#define LS_IN_SEGMENT(index, record_log2)  \
+    (LS_SEGMENT_LOG2 == 0u ? (index)       \
+                           : (index) & ((1u << (LS_SEGMENT_LOG2 - record_log2)) - 1u))
+
+#define LS_LOAD_WORD(array, index) \
+    LsWordArray(LS_SEGMENT(array, index, 2u)).at[LS_IN_SEGMENT(index, 2u)]
+#define LS_LOAD_VOXEL(array, index) \
+    LsVoxelArray(LS_SEGMENT(array, index, 4u)).at[LS_IN_SEGMENT(index, 4u)]
+#define LS_LOAD_NODE(array, index) \
+    LsBvhNodeArray(LS_SEGMENT(array, index, 5u)).at[LS_IN_SEGMENT(index, 5u)]
+// The word of cell `cell` of a block.
+#define LS_LOAD_CELL(array, block, cell) \
+    LsWordArray(LS_SEGMENT(array, block, 8u)).at[LS_IN_SEGMENT(block, 8u) * LS_BLOCK_CELLS + (cell)]
+
+// The segment of triangle `index`, which becomes its number there. Of a triangle hardly anyone reads all.
+LsTriangleArray ls_find_triangle(uvec2 array, inout uint index)
+{
+    LsTriangleArray segment = LsTriangleArray(LS_SEGMENT(array, index, 6u)); // 48 bytes each
+    index = LS_IN_SEGMENT(index, 6u);
+    return segment;
+}
+
+// The triangle's number in the input.
+uint ls_load_primitive(uvec2 array, uint index)
+{
+    LsTriangleArray triangles = ls_find_triangle(array, index);
+    return triangles.at[index].primitive;
+}
 
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer LsSceneReference
 {

@@ -106,8 +106,9 @@ void finish(inout Traced traced)
     hit.v = takes_any() ? 0.0 : weights.y;
     hit.instance = params.instance;
     hit.object = params.object;
-    hit.primitive = LsTriangleArray(params.triangles).at[index].primitive;
-    hit.material = LsTriangleArray(params.triangles).at[index].material;
+    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
+    hit.primitive = triangles.at[index].primitive;
+    hit.material = triangles.at[index].material;
     hit.flags = 0u;
     HitArray(params.hits).at[traced.index] = hit;
     traced.triangle = LS_NONE;
@@ -122,11 +123,11 @@ bool keep(inout Traced traced, float s, uint triangle)
     }
     if (s == traced.ray.smax)
     {
-        LsTriangleArray triangles = LsTriangleArray(params.triangles);
-        bool wins = traced.triangle == LS_NONE
-                        ? (traced.scales & 1u << 16) != 0u
-                        : triangles.at[params.first_triangle + triangle].primitive <
-                              triangles.at[params.first_triangle + traced.triangle].primitive;
+        bool wins =
+            traced.triangle == LS_NONE
+                ? (traced.scales & 1u << 16) != 0u
+                : ls_load_primitive(ls_scene.triangles, params.first_triangle + triangle) <
+                      ls_load_primitive(ls_scene.triangles, params.first_triangle + traced.triangle);
         if (!wins)
         {
             return false;
@@ -166,7 +167,7 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
             mask &= mask - 1u;
         }
         bit = uint(findLSB(mask));
-        triangle = LsWordArray(params.references).at[first + bit];
+        triangle = LS_LOAD_WORD(ls_scene.references, first + bit);
         LsLocalRay ray = load_testing_ray(owner);
         LsProjection p = ls_project(ray, params.first_triangle + triangle);
         met =

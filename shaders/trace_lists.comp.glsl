@@ -80,13 +80,13 @@ LsHit make_hit(LsBest best, float scale)
     if (best.instance != LS_NONE)
     {
         bool any = (params.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
-        LsTriangleArray triangles = LsTriangleArray(params.triangles);
         hit.t = any ? 0.0 : best.t * ls_exact_inverse(scale);
         hit.u = any ? 0.0 : ls_best_weights.x;
         hit.v = any ? 0.0 : ls_best_weights.y;
         hit.instance = best.instance;
         hit.object = LsInstanceArray(params.instances).at[best.instance].object;
         uint index = LsObjectArray(params.objects).at[hit.object].first_triangle + best.triangle;
+        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
         hit.primitive = triangles.at[index].primitive;
         hit.material = triangles.at[index].material;
     }

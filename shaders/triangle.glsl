@@ -170,7 +170,7 @@ struct LsProjection
 // Triangle `index` of the whole array. Reads the ray's pivot, sheared and major alone.
 LsProjection ls_project(LsLocalRay ray, uint index)
 {
-    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
+    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
     precise vec3 d = ray.sheared;
     precise vec3 a = ls_permute(triangles.at[index].v0, ray.major) - ray.pivot;
     precise vec3 b = ls_permute(triangles.at[index].v1, ray.major) - ray.pivot;
@@ -268,11 +268,11 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
     {
         return false;
     }
-    LsTriangleArray triangles = LsTriangleArray(ls_scene.triangles);
-    if (s == ray.smax && (best.instance == LS_NONE || ray.instance > best.instance ||
-                          (ray.instance == best.instance &&
-                           triangles.at[index].primitive >
-                               triangles.at[ray.first_triangle + best.triangle].primitive)))
+    if (s == ray.smax &&
+        (best.instance == LS_NONE || ray.instance > best.instance ||
+         (ray.instance == best.instance &&
+          ls_load_primitive(ls_scene.triangles, index) >
+              ls_load_primitive(ls_scene.triangles, ray.first_triangle + best.triangle))))
     {
         return false;
     }

@@ -143,10 +143,10 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
     uint bit = shaft * width;
     uint at = first_shaft_word + voxel.table + (bit >> 5);
     uint shift = bit & 31u;
-    uint mask = LsWordArray(ls_scene.shafts).at[at] >> shift;
+    uint mask = LS_LOAD_WORD(ls_scene.shafts, at) >> shift;
     if (exact && shift + width > 32u)
     {
-        mask |= LsWordArray(ls_scene.shafts).at[at + 1u] << (32u - shift);
+        mask |= LS_LOAD_WORD(ls_scene.shafts, at + 1u) << (32u - shift);
     }
     return mask;
 }
@@ -155,9 +155,8 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
 // none.
 bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
 {
-    LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.leaf_nodes);
     uint first_node = grid.first_leaf_node + voxel.table;
-    uint node_count = nodes.at[first_node].escape;
+    uint node_count = LS_LOAD_NODE(ls_scene.leaf_nodes, first_node).escape;
     // Of an infinite inverse the one that ls_inverse_direction gives, so that no product is NaN.
     vec3 inverse = min(walk.inverse, vec3(1.0 / (LS_SMALLEST_COMPONENT * grid.inverse_cell)));
     bvec3 falling = notEqual(ls_mirror(walk.mirror), ivec3(0));
@@ -166,7 +165,7 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     uint i = walk.leaf_node;
     while (i < node_count)
     {
-        LsBvhNode node = nodes.at[first_node + i];
+        LsBvhNode node = LS_LOAD_NODE(ls_scene.leaf_nodes, first_node + i);
         bool met = ls_meets_box(walk.origin, inverse, mix(node.lower, -node.upper, falling),
                                 mix(node.upper, -node.lower, falling), s_first, s_limit);
         i = met ? i + 1u : node.escape;
@@ -208,18 +207,16 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         uvec3 at_block = at >> 2;
         uint blocks_x = (grid.cells.x + 3u) >> 2;
         uint blocks_y = (grid.cells.y + 3u) >> 2;
-        word = LsWordArray(ls_scene.blocks)
-                   .at[grid.first_block + at_block.x +
-                       blocks_x * (at_block.y + blocks_y * at_block.z)];
+        word = LS_LOAD_WORD(ls_scene.blocks, grid.first_block + at_block.x +
+                                                 blocks_x * (at_block.y + blocks_y * at_block.z));
         in_block = (word & 15u) == 0u;
         walk.block = in_block ? word >> 4 : walk.block;
     }
     if (in_block)
     {
         uvec3 in_at = at & 3u;
-        word = LsWordArray(ls_scene.cell_blocks)
-                   .at[(grid.first_cell_block + walk.block) * LS_BLOCK_CELLS + in_at.x +
-                       4u * in_at.y + 16u * in_at.z];
+        word = LS_LOAD_CELL(ls_scene.cell_blocks, grid.first_cell_block + walk.block,
+                            in_at.x + 4u * in_at.y + 16u * in_at.z);
     }
     else
     {
@@ -230,7 +227,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
     LsVoxel voxel;
     if (filled)
     {
-        voxel = LsVoxelArray(ls_scene.voxels).at[grid.first_voxel + (word >> 4)];
+        voxel = LS_LOAD_VOXEL(ls_scene.voxels, grid.first_voxel + (word >> 4));
         uint kind = voxel.shape & 0xFFu;
         if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
         {
@@ -296,7 +293,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         if (walk.level > 0u)
         {
             uint subgrid = walk.block - grid.first_subgrid_block;
-            walk.block = LsWordArray(ls_scene.subgrids).at[grid.first_subgrid + subgrid];
+            walk.block = LS_LOAD_WORD(ls_scene.subgrids, grid.first_subgrid + subgrid);
         }
     }
     walk.cell = next;

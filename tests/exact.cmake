@@ -11,3 +11,7 @@ set_tests_properties(test_hard PROPERTIES LABELS gpu)
 
 # The layouts of masks against each other.
 ls_add_test(NAME test_masks SOURCES test_masks.c LIBRARIES ls_test_gpu ls_test_scenes ls_file_fixture)
+
+# Arrays cut into segments against whole ones.
+ls_add_test(NAME test_segments SOURCES test_segments.c LIBRARIES ls_test_gpu ls_test_scenes ls_render)
+set_tests_properties(test_segments PROPERTIES LABELS gpu)

@@ -129,15 +129,28 @@ static void test_memory_limit(void** state)
     free(memory);
 
     const LsGridFrame frame = {.cells = {4096, 4096, 5}};
-    assert_int_equal(ls_grid_need(&frame), 1024 * 1024 * 2 * 4);
+    assert_int_equal(ls_grid_need(&frame, 10), 1024 * 1024 * 2 * 4 + 10 * 52);
     LsWorkVoxel voxels[] = {{.kind = LS_VOXEL_MASKS, .reference_count = 9},
                             {.kind = LS_VOXEL_LIST, .reference_count = 9},
                             {.kind = LS_VOXEL_MASKS, .reference_count = 32}};
     const LsBakedObject object = {.voxels = {.voxels = voxels, .voxel_count = 3}};
     // 240 masks of 9 bits take 67.5 words.
-    assert_int_equal(ls_tables_need(&object, 1, &(LsPatchesChoice){.patches = 2}), 4 * (68 + 240));
-    const LsMesh mesh = {.triangle_count = 100};
-    assert_int_equal(ls_pack_need(&object, &mesh, 1), 100 * 48 + 3 * 16);
+    const LsPatchesChoice fixed = {.patches = 2}, chosen = {.patches = 2, .chosen = true};
+    const uint64_t working = ls_tables_work_bytes(&fixed);
+    assert_true(working > 4 * 240);
+    assert_int_equal(ls_tables_work_bytes(&chosen), working + 2 * 4 * 240);
+    assert_int_equal(ls_tables_need(&object, 1, &fixed, 0),
+                     4 * (68 + 240) * 33 / 16 + 3 * 16); // to pack
+    assert_int_equal(ls_tables_need(&object, 1, &fixed, 2), 4 * (68 + 240) + 2 * working);
+    assert_int_equal(ls_tables_need(&object, 1, &chosen, 2),
+                     2 * (working + 2 * 4 * 240 + 4 * (68 + 240)));
+    LsTableBlock blocks[] = {{.word_count = 68}, {.word_count = 252}};
+    const LsBakedObject made = {.voxels = {.voxel_count = 300},
+                                .tables = {.blocks = blocks, .block_count = 2}};
+    assert_int_equal(ls_pack_need(&made, 1), 300 * 16 + 4 * (68 + 252) / 16 + 4 * 252);
+    LsInputMesh meshes[] = {{.triangle_count = 7}, {.triangle_count = 100}};
+    const LsInput input = {.meshes = meshes, .mesh_count = 2};
+    assert_int_equal(ls_mesh_need(&input), 100 * (48 + 12 + 1));
 }
 
 // Before a stage begins that is known not to fit; nothing is left at the output's name.

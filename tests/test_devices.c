@@ -367,10 +367,9 @@ static void test_no_kind_of_memory(void** state)
 static void test_array_larger_than_a_buffer(void** state)
 {
     (void)state;
-    check_scene_refused(
-        (LsFakeVulkan){.max_allocation_bytes = 14 << 20}, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
-        "large.lspace: TRIANGLES takes 15.2 MiB, but the device's largest buffer is "
-        "14.0 MiB");
+    check_scene_refused((LsFakeVulkan){.max_allocation_bytes = 100}, LS_MESSAGE_DEVICE_BUFFER_LIMIT,
+                        "large.lspace: OBJECTS takes 0.0 MiB, but the device's largest buffer is "
+                        "0.0 MiB");
     // The programs' own buffers have the same limit.
     LsAppDevice small = gpu.device;
     small.max_buffer_bytes = 1 << 20;
@@ -455,7 +454,7 @@ static LsResult run_once(const LsContextDesc* desc, const LsFile* file, LsError*
 }
 
 // Lets the first call fail, then the second, and so on until none is left to fail.
-static uint32_t fail_each_call(bool separate_memory)
+static uint32_t fail_each_call(LsSmallScene id, uint64_t segment_bytes, bool separate_memory)
 {
     static const struct
     {
@@ -470,7 +469,7 @@ static uint32_t fail_each_call(bool separate_memory)
     LsMapping mapping;
     LsFile file;
     LsError error;
-    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
+    assert_int_equal(ls_mapping_open(&mapping, paths[id], &error), LS_OK);
     assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error),
                      LS_OK);
     uint32_t n = 0;
@@ -483,6 +482,7 @@ static uint32_t fail_each_call(bool separate_memory)
             .separate_memory = separate_memory,
         };
         LsContextDesc desc = fake_desc(fake);
+        desc.segment_bytes = segment_bytes;
         LsResult result = run_once(&desc, &file, &error);
         assert_int_equal(ls_fake_vulkan.live_objects, 0);
         if (!ls_fake_vulkan.failed_call)
@@ -506,11 +506,14 @@ static void test_each_call_fails_once(void** state)
     // A layout; a module and a pipeline for each of two methods; five buffers of four calls each.
     if (gpu.device.is_cpu)
     {
-        assert_int_equal(fail_each_call(false), 1 + 2 * 2 + 5 * 4);
+        assert_int_equal(fail_each_call(LS_SMALL_LIST, 0, false), 1 + 2 * 2 + 5 * 4);
+        // One of the arrays is cut into six segments and has a table.
+        assert_int_equal(fail_each_call(LS_SMALL_LARGE, 4 << 20, false),
+                         1 + 2 * 2 + (4 + 6 + 1) * 4);
     }
     // Nothing is mapped but the ring (four calls, pool, commands, three fences); each array is
     // begun, ended, submitted; five waits and resets, for the ring has three slots.
-    assert_int_equal(fail_each_call(gpu.device.is_cpu),
+    assert_int_equal(fail_each_call(LS_SMALL_LIST, 0, gpu.device.is_cpu),
                      1 + 2 * 2 + 5 * 3 + 4 + 1 + 1 + 3 + 5 * 3 + 5 * 2);
 }
 

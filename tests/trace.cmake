@@ -17,9 +17,3 @@ add_dependencies(test_lstrace lstrace)
 # hits; answers like brute force's.
 add_test(NAME test_lsbench COMMAND ${PROJECT_SOURCE_DIR}/tests/test_lsbench.sh
     $<TARGET_FILE:lsbake> $<TARGET_FILE:lsbench> ${PROJECT_SOURCE_DIR}/scenes)
-
-# llvmpipe (Mesa 22.3) leaks as it is unloaded, from where no suppression can name it any more. test_devices counts the
-# library's Vulkan objects by itself.
-if(LS_SANITIZE MATCHES address)
-    set_tests_properties(test_runtime test_devices test_lstrace test_lsbench PROPERTIES ENVIRONMENT "ASAN_OPTIONS=detect_leaks=0")
-endif()

@@ -376,7 +376,8 @@ LS_SIZE(LsHit, 32);
 #define LS_HIT_CUT 1u
 
 // Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small
-// enough to travel as push constants beside a kernel's own.
+// enough to travel as push constants beside a kernel's own. With LS_CONSTANT_SEGMENT_LOG2 the arrays from
+// triangles on, those that grow with triangles and cells, are tables of the addresses of their segments.
 LS_STRUCT(LsTraceScene)
 {
     LsAddress objects;
@@ -507,6 +508,7 @@ LS_SIZE(LsGridParams, 128);
 #define LS_CONSTANT_DEFERS 33     // LS_DEFERS
 #define LS_CONSTANT_REFILL 34     // of the second of two passes
 #define LS_CONSTANT_HAS_LIGHTS 35 // of the path tracer
+#define LS_CONSTANT_SEGMENT_LOG2 36
 
 // Triangles that brute force tests in a round of its loop.
 #define LS_BRUTE_ROUND 8u

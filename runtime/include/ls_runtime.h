@@ -46,6 +46,10 @@ extern "C"
         // Scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, and CPUs the kernels of two passes, which
         // takes time to compile.
         bool measures;
+        // Arrays that grow with triangles and cells are cut into segments if they are larger than so many bytes,
+        // rounded down to a power of two from 1 KiB to 1 GiB that the device can allocate; each has memory of its
+        // own, of which devices may allow no more than 4096. 0: the most.
+        uint64_t segment_bytes;
     } LsContextDesc;
 
     // Errors: DEVICE_FEATURE, DEVICE_MEMORY, DEVICE, MEMORY. On failure *context is NULL.
@@ -66,9 +70,11 @@ extern "C"
     // Device address of the scene's LsDeviceScene: the same and what shading reads.
     VkDeviceAddress ls_scene_address(const LsScene* scene);
 
-    // Required features of the scene's file (LS_FEATURE_*), which are the specialization of shaders
-    // on it.
+    // Required features of the scene's file (LS_FEATURE_*), which are specialization constants of shaders on it.
     uint64_t ls_scene_features(const LsScene* scene);
+
+    // LS_CONSTANT_SEGMENT_LOG2 of shaders on the scene: 0 if no array is cut, else the log2 of a segment's bytes.
+    uint32_t ls_scene_segment_log2(const LsScene* scene);
 
     // Bytes of device memory that the scene holds.
     uint64_t ls_scene_device_bytes(const LsScene* scene);

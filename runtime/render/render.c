@@ -98,8 +98,7 @@ static float sum_light_density(const LsFile* file)
     return power > 0.0 ? (float)(1.0 / power) : 0.0f;
 }
 
-static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_lights,
-                                LsError* error)
+static LsResult create_pipeline(LsRender* render, const LsScene* scene, LsError* error)
 {
     VkDevice device = render->device->device;
     VkPushConstantRange range = {
@@ -136,16 +135,18 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
         GROUP = 1 + LS_FEATURE_COUNT,
         DEFERS,
         LIGHTS,
+        SEGMENT,
         CONSTANTS
     };
     uint32_t values[CONSTANTS] = {LS_METHOD_EXACT};
     for (uint32_t i = 0; i < LS_FEATURE_COUNT; i++)
     {
-        values[1 + i] = (features >> i) & 1;
+        values[1 + i] = (ls_scene_features(scene) >> i) & 1;
     }
     values[GROUP] = GROUP_SIZE;
     values[DEFERS] = !render->device->is_cpu;
-    values[LIGHTS] = has_lights;
+    values[LIGHTS] = render->light_density > 0.0f;
+    values[SEGMENT] = ls_scene_segment_log2(scene);
     VkSpecializationMapEntry entries[CONSTANTS];
     for (uint32_t i = 0; i < CONSTANTS; i++)
     {
@@ -154,6 +155,7 @@ static LsResult create_pipeline(LsRender* render, uint64_t features, bool has_li
     entries[GROUP].constantID = LS_CONSTANT_GROUP_SIZE;
     entries[DEFERS].constantID = LS_CONSTANT_DEFERS;
     entries[LIGHTS].constantID = LS_CONSTANT_HAS_LIGHTS;
+    entries[SEGMENT].constantID = LS_CONSTANT_SEGMENT_LOG2;
     VkSpecializationInfo specialization = {
         .mapEntryCount = CONSTANTS,
         .pMapEntries = entries,
@@ -191,8 +193,7 @@ LsResult ls_render_create(const LsAppDevice* device, const LsScene* scene, const
     created->scene = ls_scene_address(scene);
     created->light_density = sum_light_density(file);
 
-    LsResult result =
-        create_pipeline(created, ls_scene_features(scene), created->light_density > 0.0f, error);
+    LsResult result = create_pipeline(created, scene, error);
     if (result == LS_OK)
     {
         result = ls_app_buffer_create(device, LS_APP_MEMORY_DEVICE, sizeof(LsPathCounters),
