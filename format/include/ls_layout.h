@@ -51,6 +51,8 @@ typedef uint64_t LsAddress; // a buffer device address; low word first, as uvec2
 #define LS_LIST_TRIANGLES 32
 
 #define LS_MAX_PATCHES 16
+#define LS_MAX_SCENE_PATCHES 32   // M of an object's scene shafts
+#define LS_SIGNATURE_INTERVALS 32 // bits of a scene shaft's word
 #define LS_MAX_DEPTH 8
 #define LS_MAX_CELLS 4096    // cells along one axis of a grid
 #define LS_MAX_NODE_DEPTH 64 // levels of the scene's node hierarchy
