@@ -155,6 +155,11 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "patches %u is outside 1..%u",
                             desc->patches, most);
     }
+    if (desc->scene_patches > LS_MAX_SCENE_PATCHES)
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "scene_patches %u is outside 1..%u",
+                            desc->scene_patches, LS_MAX_SCENE_PATCHES);
+    }
     if (!(desc->byte_price >= 0.0 && desc->byte_price <= DBL_MAX))
     {
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "byte_price %g is not a price",
@@ -358,7 +363,9 @@ static uint64_t count_fixed_bytes(const Bake* bake)
     for (uint32_t i = 0; i < bake->input.mesh_count; i++)
     {
         const uint64_t triangles = bake->meshes[i].triangle_count;
-        sum += triangles <= LS_LIST_TRIANGLES ? sizeof(LsTriangle) * triangles : 0;
+        sum += triangles <= LS_LIST_TRIANGLES
+                   ? sizeof(LsTriangle) * triangles
+                   : sizeof(uint32_t) * (uint64_t)LS_SHAFT_COUNT(bake->desc->scene_patches);
     }
     return sum;
 }
@@ -441,6 +448,25 @@ static LsResult make_voxels(Bake* bake, LsError* error)
     return LS_OK;
 }
 
+static LsResult make_scene_shafts(Bake* bake, LsBakedObject* object, LsError* error)
+{
+    const uint32_t patches = bake->desc->scene_patches;
+    if (patches == 0)
+    {
+        return LS_OK;
+    }
+    const uint64_t needed = ls_scene_shafts_need(&object->voxels.frame, patches);
+    LsResult result = check_memory(bake, needed, "the shafts across a grid", error);
+    if (result == LS_OK)
+    {
+        result = ls_scene_shafts_create(&object->scene_shafts, &object->voxels, patches,
+                                        bake->threads, error);
+        bake->report.scene_shaft_count += object->scene_shafts.word_count;
+        bake->report.filled_scene_shaft_count += object->scene_shafts.filled_count;
+    }
+    return result;
+}
+
 // Of all objects.
 static LsResult make_object_tables(Bake* bake, LsError* error)
 {
@@ -512,6 +538,11 @@ static LsResult make_tables(Bake* bake, LsError* error)
     const uint64_t needed =
         ls_tables_need(bake->objects, bake->input.mesh_count, &bake->patches, bake->threads);
     LsResult result = check_memory(bake, needed, "the table of shafts", error);
+    for (uint32_t i = 0; i < bake->input.mesh_count && result == LS_OK; i++)
+    {
+        result =
+            bake->objects[i].has_grid ? make_scene_shafts(bake, &bake->objects[i], error) : LS_OK;
+    }
     result = result == LS_OK ? make_object_tables(bake, error) : result;
     double dearer = 1.01;
     while (result == LS_OK && bake->desc->memory != 0 && count_memory(bake) > bake->desc->memory)
@@ -691,6 +722,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
         if (bake.objects != NULL)
         {
             ls_voxels_destroy(&bake.objects[i].voxels);
+            ls_scene_shafts_destroy(&bake.objects[i].scene_shafts);
             ls_tables_destroy(&bake.objects[i].tables);
         }
     }

@@ -33,7 +33,7 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
         voxels += v->voxel_count;
         references += v->reference_count;
         leaf_nodes += v->leaf_node_count;
-        shafts += baked[i].tables.word_count;
+        shafts += (uint64_t)baked[i].scene_shafts.word_count + baked[i].tables.word_count;
     }
     const uint64_t counts[] = {triangles, blocks,     cell_blocks, subgrids,
                                voxels,    references, leaf_nodes,  shafts};
@@ -60,7 +60,8 @@ static LsResult count_records(LsPack* pack, const LsInput* input, const LsMesh* 
     return ok ? LS_OK : report_memory(error);
 }
 
-static LsVoxel pack_voxel(const LsWorkVoxel* work)
+// Tables begin behind the words of the scene's shafts.
+static LsVoxel pack_voxel(const LsWorkVoxel* work, uint32_t scene_words)
 {
     LsVoxel voxel = {.first_reference = work->first_reference,
                      .reference_count = work->reference_count,
@@ -69,6 +70,7 @@ static LsVoxel pack_voxel(const LsWorkVoxel* work)
     if (work->kind == LS_VOXEL_MASKS)
     {
         voxel.shape |= work->patches << 8; // and masks of exact width
+        voxel.table += scene_words;
     }
     return voxel;
 }
@@ -103,9 +105,10 @@ static LsObject describe_object(const LsMesh* mesh, const LsBakedObject* baked, 
         object.voxel_count = voxels->voxel_count;
         object.reference_count = voxels->reference_count;
         object.leaf_node_count = voxels->leaf_node_count;
-        object.shaft_word_count = baked->tables.word_count;
+        object.shaft_word_count = baked->scene_shafts.word_count + baked->tables.word_count;
         object.depth = voxels->depth;
         object.patches = patches;
+        object.scene_patches = baked->scene_shafts.patches;
     }
     return object;
 }
@@ -163,7 +166,7 @@ static bool append_tables(LsPackArray* array, LsTables* tables)
     return ok;
 }
 
-static bool append_voxels(LsPackArray* array, LsVoxels* work)
+static bool append_voxels(LsPackArray* array, LsVoxels* work, uint32_t scene_words)
 {
     LsVoxel* voxels = malloc((work->voxel_count + 1ull) * sizeof *voxels);
     if (voxels == NULL)
@@ -172,7 +175,7 @@ static bool append_voxels(LsPackArray* array, LsVoxels* work)
     }
     for (uint32_t i = 0; i < work->voxel_count; i++)
     {
-        voxels[i] = pack_voxel(&work->voxels[i]);
+        voxels[i] = pack_voxel(&work->voxels[i], scene_words);
     }
     free(work->voxels);
     work->voxels = NULL;
@@ -206,9 +209,10 @@ static bool append_object(LsPack* pack, LsObject object, LsMesh* mesh, LsBakedOb
     APPEND(pack->subgrids, voxels->subgrids, object.subgrid_count)
     APPEND(pack->references, voxels->references, object.reference_count)
     APPEND(pack->leaf_nodes, voxels->leaf_nodes, object.leaf_node_count)
+    ok = ok && append_voxels(&pack->voxels, voxels, baked->scene_shafts.word_count);
+    APPEND(pack->shafts, baked->scene_shafts.words, baked->scene_shafts.word_count)
 #undef APPEND
-    return ok && append_voxels(&pack->voxels, voxels) &&
-           append_tables(&pack->shafts, &baked->tables);
+    return ok && append_tables(&pack->shafts, &baked->tables);
 }
 
 LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,
@@ -239,6 +243,7 @@ LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObj
         }
         ls_mesh_destroy(&meshes[i]);
         ls_voxels_destroy(&baked[i].voxels);
+        ls_scene_shafts_destroy(&baked[i].scene_shafts);
         ls_tables_destroy(&baked[i].tables);
     }
     desc->objects = pack->objects;

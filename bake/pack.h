@@ -5,13 +5,15 @@
 
 #include "ls_write.h"
 #include "pack_looks.h"
+#include "scene_shafts.h"
 #include "tables.h"
 #include "world.h"
 
-// One baked object. A list has empty voxels and tables.
+// One baked object. A list has empty voxels, scene shafts and tables.
 typedef struct LsBakedObject
 {
     LsVoxels voxels;
+    LsSceneShafts scene_shafts;
     LsTables tables;
     bool has_grid;
 } LsBakedObject;

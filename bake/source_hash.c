@@ -122,10 +122,11 @@ static void add_bytes(XXH3_state_t* state, const void* bytes, uint64_t size)
 
 static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, const LsPatchesChoice* choice)
 {
-    const uint32_t numbers[] = {LS_FORMAT_MAJOR,  LS_FORMAT_MINOR, LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR, BAKE_REVISION,   desc->grid,
-                                choice->patches,  choice->chosen,  desc->keep_degenerate,
-                                desc->normals,    desc->no_weld,   desc->input_count};
+    const uint32_t numbers[] = {LS_FORMAT_MAJOR,    LS_FORMAT_MINOR, LS_VERSION_MAJOR,
+                                LS_VERSION_MINOR,   BAKE_REVISION,   desc->grid,
+                                choice->patches,    choice->chosen,  desc->keep_degenerate,
+                                desc->normals,      desc->no_weld,   desc->input_count,
+                                desc->scene_patches};
     const uint64_t memory[] = {desc->memory};
     const double measures[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0,
                                choice->byte_price};

@@ -86,7 +86,7 @@ static LsResult check_list_object(const LsCheck* check, uint32_t index)
         !is_zero(&object->inverse_cell, sizeof(object->inverse_cell)) ||
         !is_zero(object->cells, sizeof(object->cells)) ||
         !is_zero(&object->bound, sizeof(object->bound)) || object->depth != 0 ||
-        object->patches != 0)
+        object->patches != 0 || object->scene_patches != 0)
     {
         return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index,
                                "a list with grid fields that are not zero");
@@ -97,10 +97,12 @@ static LsResult check_list_object(const LsCheck* check, uint32_t index)
 static LsResult check_grid_object(const LsCheck* check, uint32_t index)
 {
     const LsObject* object = &check->file->objects[index];
-    if (object->patches < 1 || object->patches > LS_MAX_PATCHES)
+    if (object->patches < 1 || object->patches > LS_MAX_PATCHES ||
+        object->scene_patches > LS_MAX_SCENE_PATCHES)
     {
-        return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index, "%u patches",
-                               object->patches);
+        return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index,
+                               "%u patches, %u of scene shafts", object->patches,
+                               object->scene_patches);
     }
     for (int axis = 0; axis < 3; ++axis)
     {
@@ -164,10 +166,9 @@ static LsResult check_object(const LsCheck* check, uint32_t index)
         return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index, "%u triangles of %u faces",
                                object->triangle_count, object->face_count);
     }
-    if (object->depth > LS_MAX_DEPTH || object->reserved != 0)
+    if (object->depth > LS_MAX_DEPTH)
     {
-        return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index, "depth %u, reserved 0x%x",
-                               object->depth, object->reserved);
+        return ls_check_report(check, "R4.3", LS_CHUNK_OBJECTS, index, "depth %u", object->depth);
     }
     return object->kind == LS_OBJECT_LIST ? check_list_object(check, index)
                                           : check_grid_object(check, index);

@@ -1,6 +1,7 @@
 // check_voxels.c - SPEC chapter 6: voxels, their references, masks and BVHs.
 
 #include "check.h"
+#include "file_layout.h"
 
 // What the pass over an object's voxels carries along: how much of each array is used up.
 typedef struct VoxelPass
@@ -203,7 +204,14 @@ LsResult ls_check_voxels(const LsCheck* check, uint32_t object_index)
         .references = PART(file->references, object->first_reference),
         .leaf_nodes = PART(file->leaf_nodes, object->first_leaf_node),
         .shafts = PART(file->shafts, object->first_shaft_word),
+        .next_shaft_word = count_scene_shafts(object), // any word is legal
     };
+    if (pass.next_shaft_word > object->shaft_word_count)
+    {
+        return ls_check_report(check, "R6.7", LS_CHUNK_OBJECTS, object_index,
+                               "%u scene shafts in %u words", pass.next_shaft_word,
+                               object->shaft_word_count);
+    }
     for (uint32_t i = 0; i < object->voxel_count; ++i)
     {
         const uint64_t record = (uint64_t)object->first_voxel + i;

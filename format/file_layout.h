@@ -37,6 +37,14 @@ static inline bool has_exact_masks(const LsVoxel* voxels, uint32_t count)
     return i < count && (voxels[i].shape >> 16 & 255) == 0;
 }
 
+// Words of an object's part of SHAFTS that are those of its scene shafts; 0 for an M that R4.3 refuses.
+static inline uint32_t count_scene_shafts(const LsObject* object)
+{
+    const uint32_t patches =
+        object->scene_patches <= LS_MAX_SCENE_PATCHES ? object->scene_patches : 0;
+    return 15u * patches * patches * patches * patches;
+}
+
 // Required features (R2.14). `counts` as in the header.
 static inline uint64_t derive_required_features(const LsObject* objects,
                                                 const LsInstance* instances, const LsVoxel* voxels,
@@ -48,13 +56,16 @@ static inline uint64_t derive_required_features(const LsObject* objects,
     {
         features |= LS_FEATURE_TOP_LEVEL;
     }
+    uint64_t scene_shafts = 0;
     for (uint32_t i = 0; i < counts[LS_CHUNK_OBJECTS]; ++i)
     {
         features |= objects[i].kind == LS_OBJECT_LIST ? LS_FEATURE_LISTS : LS_FEATURE_GRIDS;
+        features |= objects[i].scene_patches != 0 ? LS_FEATURE_SCENE_SHAFTS : 0;
+        scene_shafts += count_scene_shafts(&objects[i]);
     }
     features |= counts[LS_CHUNK_SUBGRIDS] > 0 ? LS_FEATURE_SUBGRIDS : 0;
     features |= counts[LS_CHUNK_LEAF_NODES] > 0 ? LS_FEATURE_LEAF_BVHS : 0;
-    features |= counts[LS_CHUNK_SHAFTS] > 0 ? LS_FEATURE_MASKS : 0;
+    features |= counts[LS_CHUNK_SHAFTS] > scene_shafts ? LS_FEATURE_MASKS : 0;
     features |= has_exact_masks(voxels, counts[LS_CHUNK_VOXELS]) ? LS_FEATURE_EXACT_MASKS : 0;
     return features;
 }
@@ -75,6 +86,10 @@ static inline uint64_t derive_optional_features(const uint32_t counts[LS_CHUNK_C
 static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT],
                                     uint64_t required_features)
 {
+    if ((required_features & LS_FEATURE_SCENE_SHAFTS) != 0)
+    {
+        return 4;
+    }
     if ((required_features & LS_FEATURE_EXACT_MASKS) != 0)
     {
         return 3;
@@ -90,10 +105,14 @@ static inline uint32_t derive_minor(const uint32_t counts[LS_CHUNK_COUNT],
 }
 
 // The smallest minor whose readers may read a file (R2.16): those of 0.1 skip what 0.2 added, but know
-// no surfaces of materials; masks of exact width are not known before 0.3.
+// no surfaces of materials; masks of exact width are not known before 0.3, scene shafts not before 0.4.
 static inline uint32_t derive_reader_minor(const uint32_t counts[LS_CHUNK_COUNT],
                                            uint64_t required_features)
 {
+    if ((required_features & LS_FEATURE_SCENE_SHAFTS) != 0)
+    {
+        return 4;
+    }
     if ((required_features & LS_FEATURE_EXACT_MASKS) != 0)
     {
         return 3;

@@ -31,6 +31,8 @@ target_include_directories(test_shaft_cost PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 ls_add_test(NAME test_voxels SOURCES test_voxels.c
     LIBRARIES ls_test_scenes ls_test_reference)
 
+ls_add_test(NAME test_scene_shafts SOURCES test_scene_shafts.c LIBRARIES ls_test_scenes ls_file_fixture)
+
 ls_add_test(NAME test_distances SOURCES test_distances.c LIBRARIES ls_bake)
 target_include_directories(test_distances PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 

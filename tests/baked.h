@@ -27,7 +27,7 @@ typedef struct LsBaked
 // with the error's text.
 void ls_baked_open(LsBaked* baked, const LsTestMesh* mesh, const char* name,
                    LsTestPlacement placement, uint32_t grid, uint32_t patches, uint32_t threads);
-// With all of a desc's options for the Line Space: grid, patches, choice and threads.
+// With all of a desc's options for the Line Space: grid, patches, choice, scene shafts and threads.
 void ls_baked_open_desc(LsBaked* baked, const LsTestMesh* mesh, const char* name,
                         LsTestPlacement placement, const LsBakeDesc* options);
 void ls_baked_close(LsBaked* baked); // removes the file

@@ -80,11 +80,12 @@ static const Case cases[] = {
     {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x01000000)}},
     {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x02000000)}},
     {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x03000000)}},
-    {"R2.3", READER, {HEAD(reader_minor, 4, 4)}},
+    {"R2.2", BYTE_ORDER, {HEAD(version_minor, 4, 0x04000000)}},
+    {"R2.3", READER, {HEAD(reader_minor, 4, 5)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, 0)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, 4097)}},
     {"R2.4", RULE, {HEAD(chunk_count, 4, UINT32_MAX)}},
-    {"R2.5", FEATURE, {HEAD(required_features, 8, 255)}},
+    {"R2.5", FEATURE, {HEAD(required_features, 8, 511)}},
     {"R2.5", FEATURE, {HEAD(required_features, 8, 1ull << 63 | 63)}},
     {"R2.6", CUT, {HEAD(file_bytes, 8, 1 << 20)}},
     {"R2.6", RULE, {HEAD(file_bytes, 8, 5000)}},
@@ -110,6 +111,9 @@ static const Case cases[] = {
     {"R2.14",
      RULE,
      {HEAD(required_features, 8, 127), HEAD(version_minor, 4, 3), HEAD(reader_minor, 4, 3)}},
+    {"R2.14",
+     RULE,
+     {HEAD(required_features, 8, 191), HEAD(version_minor, 4, 4), HEAD(reader_minor, 4, 4)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 126)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 125)}},
     {"R2.15", RULE, {HEAD(optional_features, 8, 123)}},
@@ -124,6 +128,7 @@ static const Case cases[] = {
     {"R2.16", RULE, {HEAD(version_minor, 4, 3)}},
     {"R2.16", RULE, {HEAD(reader_minor, 4, 3)}},
     {"R2.16", RULE, {HEAD(required_features, 8, 127)}},
+    {"R2.16", RULE, {HEAD(required_features, 8, 191)}},
 
     {"R3.1", RULE, {DIRECTORY(1, type, 4, 0x544A424F)}}, // OBJT twice
     {"R3.1",
@@ -192,7 +197,7 @@ static const Case cases[] = {
     {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, patches, 3)}},
     {"R4.3", RULE, {WORD(OBJECTS, 1, LsObject, depth, 9)}},
     {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, depth, 1)}},
-    {"R4.3", RULE, {WORD(OBJECTS, 2, LsObject, reserved, 1)}},
+    {"R4.3", RULE, {WORD(OBJECTS, 2, LsObject, scene_patches, 33)}},
     {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, grid_lower.y, ONE)}},
     {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, inverse_cell, ONE)}},
     {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, cells[2], 1)}},
@@ -536,6 +541,28 @@ static const Case exact_cases[] = {
     {"R6.4", RULE, {WORD(VOXELS, 10, LsVoxel, shape, 0x00000201)}}, // words are left over
     {"R6.4", RULE, {INDEX(SHAFTS, 1, 0x00002000)}},   // behind the 15th mask of 3 bits
     {"R6.4", RULE, {INDEX(SHAFTS, 219, 0x80000000)}}, // behind the last of 4 bits
+};
+
+// The same for the fixture with scene shafts of M = 1, 15 words in each of the two grids.
+static const Case scene_cases[] = {
+    {"R2.14",
+     RULE,
+     {HEAD(required_features, 8, 63), HEAD(version_minor, 4, 2), HEAD(reader_minor, 4, 2)}},
+    {"R2.14", RULE, {HEAD(required_features, 8, 159)}}, // no masks
+    {"R2.14",
+     RULE,
+     {WORD(OBJECTS, 1, LsObject, scene_patches, 0), WORD(OBJECTS, 2, LsObject, scene_patches, 0)}},
+    {"R2.16", RULE, {HEAD(version_minor, 4, 3)}},
+    {"R2.16", RULE, {HEAD(reader_minor, 4, 3)}},
+    {"R2.16", RULE, {HEAD(required_features, 8, 63)}},
+    {"R4.3", RULE, {WORD(OBJECTS, 0, LsObject, scene_patches, 1)}}, // a list
+    {"R4.3", RULE, {WORD(OBJECTS, 1, LsObject, scene_patches, 33)}},
+    {"R4.3", RULE, {WORD(OBJECTS, 1, LsObject, scene_patches, 0xFFFFFFFF)}},
+    {"R6.4", RULE, {WORD(OBJECTS, 1, LsObject, scene_patches, 2)}}, // tables begin too early
+    {"R6.4", RULE, {WORD(OBJECTS, 1, LsObject, scene_patches, 0)}}, // too late
+    {"R6.4", RULE, {WORD(VOXELS, 1, LsVoxel, table, 0)}},
+    {"R6.4", RULE, {WORD(OBJECTS, 2, LsObject, scene_patches, 0)}}, // words are left over
+    {"R6.7", RULE, {WORD(OBJECTS, 2, LsObject, scene_patches, 2)}}, // more words than there are
 };
 
 #endif

@@ -1,5 +1,6 @@
 // file_fixture.h - a small made-up scene that uses every chunk, every kind of voxel and every width
-// of mask that is a power of two, for tests of the format; ls_mask_layout gives it masks of exact width.
+// of mask that is a power of two, for tests of the format; ls_mask_layout gives it masks of exact width,
+// ls_scene_shaft_layout scene shafts.
 // Its arrays obey every rule; its masks and distances describe no geometry.
 
 #ifndef LS_FILE_FIXTURE_H
@@ -16,6 +17,7 @@
 
 #include "ls_write.h"
 #include "mask_layout.h"
+#include "scene_shaft_layout.h"
 
 #define LS_FIXTURE_TRIANGLES 43 // 2 in a list, 40 in a grid, 1 in a grid
 #define LS_FIXTURE_VOXELS 13

@@ -15,7 +15,7 @@ typedef struct LsMaskLayout
 } LsMaskLayout;
 
 // Masks as wide as their voxel has triangles (format 0.3), or of the smallest of 4, 8, 16 and 32 bits
-// that holds them (before it). Other arrays stay those of `source`. Fails the calling cmocka test when out
+// that holds them (before it). `source` has no scene shafts. Other arrays stay those of `source`. Fails the calling cmocka test when out
 // of memory.
 LsMaskLayout ls_mask_layout(const LsFileDesc* source, bool exact);
 void ls_mask_layout_destroy(LsMaskLayout* layout);

@@ -127,6 +127,12 @@ static void walk_block(Walk* walk, const LsObject* object, uint32_t block, uint3
 
 static void walk_object(Walk* walk, const LsObject* object)
 {
+    const size_t patches = object->scene_patches;
+    if (patches > 0)
+    {
+        take(walk, walk->file->shafts + object->first_shaft_word,
+             15 * patches * patches * patches * patches * sizeof(uint32_t));
+    }
     for (uint32_t i = 0; i < object->triangle_count; ++i)
     {
         walk_triangle(walk, object, i);
@@ -378,6 +384,9 @@ static void test_garbage(void** state)
     expect_garbage_is_safe(&fixture.desc);
     LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
     expect_garbage_is_safe(&exact.desc);
+    LsSceneShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
+    expect_garbage_is_safe(&scene.desc);
+    ls_scene_shaft_layout_destroy(&scene);
     ls_mask_layout_destroy(&exact);
 }
 

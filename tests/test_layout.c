@@ -69,7 +69,7 @@ static const Layout layouts[] = {
       MEMBER(LsObject, face_count),
       MEMBER(LsObject, depth),
       MEMBER(LsObject, patches),
-      MEMBER(LsObject, reserved)}},
+      MEMBER(LsObject, scene_patches)}},
     {"LsInstance",
      sizeof(LsInstance),
      {MEMBER(LsInstance, object_from_world), MEMBER(LsInstance, world_from_object),

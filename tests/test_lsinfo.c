@@ -99,7 +99,7 @@ static void test_help_and_version(void** state)
     assert_non_null(strstr(run.out, "--json"));
     run = run_lsinfo(NULL, "--version", NULL, NULL);
     assert_int_equal(run.code, 0);
-    assert_string_equal(run.out, "lsinfo 0.1, format 0.3\n");
+    assert_string_equal(run.out, "lsinfo 0.1, format 0.4\n");
 }
 
 static void test_usage_errors(void** state)
@@ -208,6 +208,25 @@ static void test_exact_masks(void** state)
     assert_non_null(shafts);
     assert_non_null(expected);
     assert_memory_equal(shafts, expected, (size_t)(strchr(expected, '\n') - expected));
+}
+
+static void test_scene_shafts(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    LsSceneShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, 1);
+    char path[LS_SCRATCH_PATH + 32];
+    snprintf(path, sizeof(path), "%s/shafts.lspace", directory);
+    assert_int_equal(ls_file_write(&scene.desc, path, NULL), LS_OK);
+    ls_scene_shaft_layout_destroy(&scene);
+    Run run = run_lsinfo(NULL, path, NULL, NULL);
+    assert_int_equal(run.code, 0);
+    assert_non_null(strstr(run.out, ".lspace 0.4, for readers from 0.4 on, "));
+    assert_non_null(strstr(run.out, "grids sub-grids leaf-bvhs masks scene-shafts\n"));
+    assert_non_null(strstr(run.out, "scene shafts       30, 80.00% filled\n"));
+    run = run_lsinfo(NULL, scene_path, NULL, NULL);
+    assert_null(strstr(run.out, "scene shafts"));
 }
 
 static double find_number(const cJSON* object, const char* key)
@@ -356,6 +375,7 @@ int main(int argument_count, char** arguments)
         cmocka_unit_test(test_check),
         cmocka_unit_test(test_text),
         cmocka_unit_test(test_exact_masks),
+        cmocka_unit_test(test_scene_shafts),
         cmocka_unit_test(test_json),
         cmocka_unit_test(test_what_is_left_out),
     };

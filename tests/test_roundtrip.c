@@ -460,6 +460,9 @@ static void test_golden_files(void** state)
     LsFixture fixture;
     ls_fixture_fill(&fixture);
     LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsSceneShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
+    expect_golden(GOLDEN "4.lspace", &scene.desc, 4);
+    ls_scene_shaft_layout_destroy(&scene);
     expect_golden(GOLDEN "3.lspace", &exact.desc, 3);
     ls_mask_layout_destroy(&exact);
     expect_golden(GOLDEN "2.lspace", &fixture.desc, 2);
@@ -467,7 +470,7 @@ static void test_golden_files(void** state)
     expect_golden(GOLDEN "1.lspace", &fixture.desc, 1);
 }
 
-// What readers of 0.1 can skip does not keep them out; masks of exact width do.
+// What readers of 0.1 can skip does not keep them out; masks of exact width and scene shafts do.
 static void test_versions(void** state)
 {
     (void)state;
@@ -498,6 +501,41 @@ static void test_versions(void** state)
     ls_fixture_free(&bytes);
     expect_legal_trip(&exact.desc);
     ls_mask_layout_destroy(&exact);
+    LsSceneShaftLayout scene = ls_scene_shaft_layout(&plain, 3);
+    bytes = ls_fixture_bytes(&scene.desc);
+    expect_version(&bytes, 4, 4);
+    ls_fixture_free(&bytes);
+    expect_legal_trip(&scene.desc);
+    ls_scene_shaft_layout_destroy(&scene);
+}
+
+// The most scene shafts there are, of a grid without tables: the file has no masks then.
+static void test_most_scene_shafts(void** state)
+{
+    (void)state;
+    LsFixture fixture;
+    ls_fixture_fill(&fixture);
+    for (uint32_t i = 0; i < LS_FIXTURE_VOXELS; ++i)
+    {
+        LsVoxel* voxel = &fixture.voxels[i];
+        if ((voxel->shape & 255) == LS_VOXEL_MASKS)
+        {
+            voxel->shape = LS_VOXEL_LIST;
+            voxel->table = 0;
+        }
+    }
+    fixture.objects[1].shaft_word_count = fixture.objects[2].first_shaft_word = 0;
+    fixture.desc.SHAFTS_count = 0;
+    LsSceneShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, LS_MAX_SCENE_PATCHES);
+    LsFixtureBytes bytes = ls_fixture_bytes(&scene.desc);
+    LsFile file;
+    open_file(&file, &bytes);
+    assert_int_equal(file.header->required_features & LS_FEATURE_SCENE_SHAFTS,
+                     LS_FEATURE_SCENE_SHAFTS);
+    assert_int_equal(file.header->required_features & LS_FEATURE_MASKS, 0);
+    ls_fixture_free(&bytes);
+    expect_legal_trip(&scene.desc);
+    ls_scene_shaft_layout_destroy(&scene);
 }
 
 // ---- Baked files --------------------------------------------------------------------------------
@@ -572,6 +610,7 @@ int main(void)
         cmocka_unit_test(test_largest_tables),    cmocka_unit_test(test_golden_files),
         cmocka_unit_test(test_looks_limits),      cmocka_unit_test(test_animation_limits),
         cmocka_unit_test(test_attributes_apart),  cmocka_unit_test(test_versions),
+        cmocka_unit_test(test_most_scene_shafts),
     };
     const int failed = cmocka_run_group_tests_name("roundtrip", tests, NULL, NULL);
     return failed + run_baked_group();

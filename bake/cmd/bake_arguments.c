@@ -52,6 +52,8 @@ const char ls_bake_help[] =
     "                         times the root of an object's triangle count, unless given\n"
     "      --byte-price F     with auto: what a byte of a table must save, in triangle tests of a\n"
     "                         ray in the voxel (default 0.001)\n"
+    "      --scene-shafts M   also shafts across each whole grid, between M x M patches a face, 1\n"
+    "                         to 32, so that rays pass long empty stretches in one step\n"
     "\n"
     "The bake:\n"
     "  -o, --output FILE      where to write (required)\n"
@@ -257,6 +259,8 @@ static const Option options[] = {
      NUMBER("a whole number from 1 to 16, auto, or auto: and one from 1 to 8"), 1, LS_MAX_PATCHES},
     {"--byte-price", NULL, BAKE(byte_price), read_double, NUMBER("a number from 1e-9 to 1e9"), 1e-9,
      1e9},
+    {"--scene-shafts", NULL, BAKE(scene_patches), read_uint32,
+     NUMBER("a whole number from 1 to 32"), 1, LS_MAX_SCENE_PATCHES},
     {"--output", "-o", BAKE(output), read_text, FILE_NAME},
     {"--depfile", NULL, BAKE(depfile), read_text, FILE_NAME},
     {"--force", "-f", BAKE(force), FLAG},

@@ -154,6 +154,13 @@ void ls_report_print_text(const LsBakeReport* report, const char* output)
         printf("  shafts %llu, %.1f %% filled\n", (unsigned long long)report->shaft_count,
                100.0 * (double)report->filled_shaft_count / (double)report->shaft_count);
     }
+    if (report->scene_shaft_count > 0)
+    {
+        printf("  shafts across whole grids %llu, %.1f %% filled\n",
+               (unsigned long long)report->scene_shaft_count,
+               100.0 * (double)report->filled_scene_shaft_count /
+                   (double)report->scene_shaft_count);
+    }
     print_patches(report);
     printf("  largest condition number of a transform %.3g, peak memory %.0f MB\n ",
            report->max_condition, (double)report->peak_memory_bytes * 1e-6);
@@ -274,6 +281,8 @@ bool ls_report_print_json(const LsBakeReport* report, const char* output,
             {"references", (double)report->reference_count},
             {"shafts", (double)report->shaft_count},
             {"filled_shafts", (double)report->filled_shaft_count},
+            {"scene_shafts", (double)report->scene_shaft_count},
+            {"filled_scene_shafts", (double)report->filled_scene_shaft_count},
             {"tests_per_voxel", report->tests_per_voxel},
             {"steps_per_line", report->steps_per_line},
             {"lookups_per_line", report->lookups_per_line},

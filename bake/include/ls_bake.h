@@ -85,7 +85,10 @@ extern "C"
         uint32_t patches; // N: patches per voxel side, 1..16, 0: 2; if chosen the most, 1..8, 0: 5
         // By voxel: the N, or no table, of the least tests + byte_price * bytes.
         bool choose_patches;
-        double byte_price;    // of tables, in triangle tests of a ray in a voxel; 0: 0.001
+        double byte_price; // of tables, in triangle tests of a ray in a voxel; 0: 0.001
+        // M: each grid also gets shafts across the whole of it, between M x M patches on the faces of its box, that
+        // say which parts of their way may be filled; 1..32, 60 M^4 bytes a grid. 0: none.
+        uint32_t scene_patches;
         uint32_t threads;     // 0: all processors
         bool force;           // bake also when the output is up to date
         bool no_weld;         // vertices of equal position stay apart in the mesh stage
@@ -211,8 +214,9 @@ extern "C"
         uint64_t voxel_kind_count[4]; // by LS_VOXEL_*
         uint64_t list_object_count;
         uint64_t crowded_object_count; // given fewer cells than asked for: triangles crowd in them
-        uint64_t shaft_count, filled_shaft_count; // of stored tables
-        uint64_t patches_count[17];               // voxels with masks by N
+        uint64_t shaft_count, filled_shaft_count;             // of stored tables
+        uint64_t scene_shaft_count, filled_scene_shaft_count; // across whole grids
+        uint64_t patches_count[17];                           // voxels with masks by N
         double tests_per_voxel; // triangles that a line is expected to test in a voxel it crosses
         // What a line through the box of each gridded object is expected to do there, in sum: cells it steps to, masks, triangles.
         double steps_per_line, lookups_per_line, tests_per_line;

@@ -52,6 +52,7 @@ static const FeatureName required_names[] = {
     {LS_FEATURE_LEAF_BVHS, "leaf-bvhs"},
     {LS_FEATURE_MASKS, "masks"},
     {LS_FEATURE_EXACT_MASKS, "exact-masks"},
+    {LS_FEATURE_SCENE_SHAFTS, "scene-shafts"},
     {0, NULL},
 };
 
@@ -154,6 +155,11 @@ static void print_scene(const LsFile* file, const LsSummary* summary)
     printf("%-18s %u to %u per side\n", "patches", summary->patches_least, summary->patches_most);
     printf("%-18s %" PRIu64 ", %.2f%% filled\n", "shafts", summary->shaft_count,
            percent(summary->filled_shaft_count, summary->shaft_count));
+    if (summary->scene_shaft_count > 0)
+    {
+        printf("%-18s %" PRIu64 ", %.2f%% filled\n", "scene shafts", summary->scene_shaft_count,
+               percent(summary->filled_scene_shaft_count, summary->scene_shaft_count));
+    }
 }
 
 static void print_looks(const LsFile* file, const LsSummary* summary)
@@ -273,6 +279,8 @@ static void add_scene(cJSON* root, const LsFile* file, const LsSummary* summary)
         {"patches_most", summary->patches_most},
         {"shafts", summary->shaft_count},
         {"filled_shafts", summary->filled_shaft_count},
+        {"scene_shafts", summary->scene_shaft_count},
+        {"filled_scene_shafts", summary->filled_scene_shaft_count},
         {"surfaces", ls_file_count(file, LS_CHUNK_SURFACES)},
         {"surfaces_with_holes", summary->masked_surface_count},
         {"textures", ls_file_count(file, LS_CHUNK_TEXTURES)},

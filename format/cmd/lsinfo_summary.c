@@ -35,6 +35,17 @@ static void add_voxels(LsSummary* summary, const LsFile* file, const LsObject* o
     }
 }
 
+static void add_scene_shafts(LsSummary* summary, const LsFile* file, const LsObject* object)
+{
+    const uint32_t patches = object->scene_patches;
+    const uint64_t shafts = 15ull * patches * patches * patches * patches;
+    for (uint64_t i = 0; i < shafts; ++i)
+    {
+        summary->filled_scene_shaft_count += file->shafts[object->first_shaft_word + i] != 0;
+    }
+    summary->scene_shaft_count += shafts;
+}
+
 static void add_looks(LsSummary* summary, const LsFile* file)
 {
     for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_SURFACES); ++i)
@@ -83,6 +94,7 @@ LsSummary ls_summarize(const LsFile* file)
         ++summary.grid_object_count;
         summary.cell_count += (uint64_t)object->cells[0] * object->cells[1] * object->cells[2];
         add_voxels(&summary, file, object);
+        add_scene_shafts(&summary, file, object);
     }
     for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); ++i)
     {

@@ -15,6 +15,7 @@ typedef struct LsSummary
     uint64_t voxel_kind_count[4];
     uint32_t patches_least, patches_most; // of voxels with masks
     uint64_t shaft_count, filled_shaft_count;
+    uint64_t scene_shaft_count, filled_scene_shaft_count; // across whole grids
     uint32_t masked_surface_count;
     uint32_t normal_object_count, texcoord_object_count[2], color_object_count; // that have them
     uint64_t bare_corner_count; // of objects with normals, those without

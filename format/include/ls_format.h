@@ -24,7 +24,7 @@ extern "C"
 #endif
 
 #define LS_FORMAT_MAJOR 0
-#define LS_FORMAT_MINOR 3
+#define LS_FORMAT_MINOR 4
 
 #define LS_MAGIC_BYTES 16
 #define LS_HEADER_BYTES 256
@@ -78,14 +78,15 @@ extern "C"
 
 // Required features: a reader that does not know a set bit refuses the file. A bit is set if and
 // only if the file uses the feature, so the runtime compiles only what a scene needs.
-#define LS_FEATURE_TOP_LEVEL 1ull    // several objects or instances, or one not the identity
-#define LS_FEATURE_LISTS 2ull        // objects without a grid
-#define LS_FEATURE_GRIDS 4ull        // objects with a grid
-#define LS_FEATURE_SUBGRIDS 8ull     // subdivided voxels
-#define LS_FEATURE_LEAF_BVHS 16ull   // voxels that are BVH leaves
-#define LS_FEATURE_MASKS 32ull       // shaft tables of masks
-#define LS_FEATURE_EXACT_MASKS 64ull // all masks take as many bits as their voxel has triangles
-#define LS_FEATURE_COUNT 7
+#define LS_FEATURE_TOP_LEVEL 1ull      // several objects or instances, or one not the identity
+#define LS_FEATURE_LISTS 2ull          // objects without a grid
+#define LS_FEATURE_GRIDS 4ull          // objects with a grid
+#define LS_FEATURE_SUBGRIDS 8ull       // subdivided voxels
+#define LS_FEATURE_LEAF_BVHS 16ull     // voxels that are BVH leaves
+#define LS_FEATURE_MASKS 32ull         // shaft tables of masks
+#define LS_FEATURE_EXACT_MASKS 64ull   // all masks take as many bits as their voxel has triangles
+#define LS_FEATURE_SCENE_SHAFTS 128ull // grids with shafts across the whole of them
+#define LS_FEATURE_COUNT 8
 #define LS_FEATURE_ALL ((1ull << LS_FEATURE_COUNT) - 1)
 
 // Optional features: what is here beyond the geometry. Unknown bits are ignored.

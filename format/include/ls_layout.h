@@ -133,12 +133,14 @@ LS_STRUCT(LsObject)
     uint32_t reference_count;
     uint32_t first_leaf_node;
     uint32_t leaf_node_count;
-    uint32_t first_shaft_word;
+    uint32_t first_shaft_word; // scene shafts first, then the tables of voxels
     uint32_t shaft_word_count;
     uint32_t face_count; // triangles of the input, dropped ones counted: primitive < face_count
     uint32_t depth;      // deepest sub-grid level, 0 without sub-grids
     uint32_t patches;    // the N asked for; each voxel stores its own
-    uint32_t reserved;   // 0
+    // M: the faces of the grid's box are cut into M x M patches, and the part of SHAFTS begins with a word
+    // for each shaft between two of them, whose bits say which parts of its way may be filled; 0: it does not.
+    uint32_t scene_patches;
 };
 LS_SIZE(LsObject, 144);
 
@@ -487,7 +489,7 @@ LS_STRUCT(LsGridParams)
     LsVec3 grid_lower;
     float inverse_cell;
     uint32_t cells[3];
-    uint32_t flags; // LS_RAY_FLAG_*, LS_GRID_MIRRORED
+    uint32_t flags; // LS_RAY_FLAG_*, LS_GRID_*
     uint32_t instance;
     uint32_t object;
     uint32_t first_triangle;
@@ -496,6 +498,7 @@ LS_STRUCT(LsGridParams)
 LS_SIZE(LsGridParams, 128);
 
 #define LS_GRID_MIRRORED 0x80000000u // the instance turns the winding round
+#define LS_GRID_SCENE_PATCHES 16     // first of eight bits with the object's scene_patches
 
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
