@@ -203,7 +203,8 @@ static void prepare_passes(LsScene* scene, const LsFile* file)
         .grid_lower = object->grid_lower,
         .inverse_cell = object->inverse_cell,
         .cells = {object->cells[0], object->cells[1], object->cells[2]},
-        .flags = (instance->flags & LS_INSTANCE_MIRRORED) != 0 ? LS_GRID_MIRRORED : 0,
+        .flags = ((instance->flags & LS_INSTANCE_MIRRORED) != 0 ? LS_GRID_MIRRORED : 0) |
+                 object->scene_patches << LS_GRID_SCENE_PATCHES,
         .instance = index,
         .object = instance->object,
         .first_triangle = object->first_triangle,

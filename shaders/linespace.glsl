@@ -93,6 +93,7 @@ LsGrid ls_load_grid(uint object)
     grid.first_subgrid = LS_FIRST(objects.at[object].first_subgrid);
     grid.first_subgrid_block =
         objects.at[object].cell_block_count - objects.at[object].subgrid_count;
+    grid.scene_patches = LS_HAS_SCENE_SHAFTS != 0u ? objects.at[object].scene_patches : 0u;
     return grid;
 }
 

@@ -19,6 +19,7 @@ layout(constant_id = 4) const uint LS_HAS_SUBGRIDS = 1;
 layout(constant_id = 5) const uint LS_HAS_LEAF_BVHS = 1;
 layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
 layout(constant_id = 7) const uint LS_HAS_EXACT_MASKS = 1;
+layout(constant_id = 8) const uint LS_HAS_SCENE_SHAFTS = 1;
 
 // Lanes first do the quick part of all tests that wait, then the rest of those that are left, together. CPUs, where
 // loading a triangle twice costs more than waiting, do not.

@@ -61,7 +61,8 @@ LsGrid get_grid()
 {
     return LsGrid(params.grid_lower, params.inverse_cell,
                   uvec3(params.cells[0], params.cells[1], params.cells[2]), 0u, 0u, 0u, 0u, 0u, 0u,
-                  0u, params.first_subgrid_block);
+                  0u, params.first_subgrid_block,
+                  (params.flags >> LS_GRID_SCENE_PATCHES) & 0xFFu);
 }
 
 bool takes_any()

@@ -9,6 +9,9 @@
 // Space is mirrored so that the ray falls along no axis: -x for x and cell ~c for cell c, both exact. What
 // lies ahead is then always at the greater coordinate. J. Revelles et al., "An Efficient Parametric Algorithm
 // for Octree Traversal", WSCG 2000, mirror so too.
+//
+// Where a grid has scene shafts, a ray passes the intervals of its way that are empty in one step (thesis, 13.1). It goes on
+// behind them as a ray does that starts there; docs/exactness.md tells why no hit is lost.
 
 #ifndef LS_WALK_GLSL
 #define LS_WALK_GLSL
@@ -30,7 +33,10 @@ struct LsGrid
     uint first_leaf_node;
     uint first_subgrid;
     uint first_subgrid_block; // cell block of sub-grid 0
+    uint scene_patches;       // M, 0: no scene shafts; they are the first of the shaft words
 };
+
+#define LS_USES_SCENE_SHAFTS (LS_HAS_SCENE_SHAFTS != 0u && LS_METHOD != LS_METHOD_GRID)
 
 // Where a ray stands in the grid of its object: grid space, mirrored.
 struct LsWalk
@@ -48,12 +54,102 @@ struct LsWalk
     // What is to be tested before the next step: bit k is reference first_reference + k.
     uint first_reference;
     uint mask;
+    // With scene shafts: the way through the grid in intervals, the first from s_line on.
+    uint signature; // filled intervals of the runs that come after the one at hand
+    float s_line;
+    float s_interval;
+    float s_stop; // the end of the run at hand, +inf at the end of the grid
 };
 
 // -1 for axes that are mirrored, else 0: what a cell is xored with.
 ivec3 ls_mirror(uint mirror)
 {
     return -ivec3((uvec3(mirror) >> uvec3(0u, 1u, 2u)) & 1u);
+}
+
+// Enters the cell at s, in the middle of the grid's cells.
+void ls_walk_enter(LsGrid grid, inout LsWalk walk)
+{
+    bvec3 falling = notEqual(ls_mirror(walk.mirror), ivec3(0));
+    vec3 border = vec3(grid.cells);
+    vec3 low = mix(vec3(0.0), -border, falling);
+    walk.axis = 3u;
+    walk.level = 0u;
+    walk.cell = ivec3(clamp(floor(walk.origin + walk.direction * walk.s), low, low + border - 1.0));
+}
+
+// Patch index on the face of `axis` of a point in a box's coordinates, [0,1] each, clamped onto it.
+uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
+{
+    float n = float(patches);
+    ivec3 k = ivec3(clamp(point * n, vec3(0.0), vec3(n - 0.5)));
+    ivec3 turned = ls_mirror(mirror);
+    k = (k ^ turned) + (turned & ivec3(patches));
+    ivec2 on_face = axis == 0u ? k.yz : (axis == 1u ? k.zx : k.xy);
+    return uint(on_face.x) * patches + uint(on_face.y);
+}
+
+// The number of the shaft through which a ray crosses a box: it enters at `point_in` by the near face of
+// axis_in and leaves at `point_out` by the far face of axis_out, points in the box's coordinates. SPEC chapter 6.
+// `forward`: the ray goes from the shaft's first patch to its second.
+uint ls_shaft_number(uint patches, uint mirror, uint axis_in, vec3 point_in, uint axis_out,
+                     vec3 point_out, out bool forward)
+{
+    uint patch_in = ls_patch_index(point_in, mirror, axis_in, patches);
+    uint patch_out = ls_patch_index(point_out, mirror, axis_out, patches);
+    uint face_in = 2u * axis_in + ((mirror >> axis_in) & 1u);
+    uint face_out = 2u * axis_out + (~(mirror >> axis_out) & 1u);
+    forward = face_in < face_out;
+    uint face_a = forward ? face_in : face_out;
+    uint face_b = forward ? face_out : face_in;
+    uint patch_a = forward ? patch_in : patch_out;
+    uint patch_b = forward ? patch_out : patch_in;
+    uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
+    return (pair * patches * patches + patch_a) * patches * patches + patch_b;
+}
+
+// Reads which intervals of the way from s_enter to s_leave are filled: those of the scene shaft from face to face
+// of the whole grid.
+void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_in, float s_leave,
+                       uint axis_out)
+{
+    vec3 border = vec3(grid.cells);
+    vec3 low = mix(vec3(0.0), -border, notEqual(ls_mirror(walk.mirror), ivec3(0)));
+    vec3 point_in = (walk.origin + walk.direction * s_enter - low) / border;
+    vec3 point_out = (walk.origin + walk.direction * s_leave - low) / border;
+    bool forward;
+    uint shaft = ls_shaft_number(grid.scene_patches, walk.mirror, axis_in, point_in, axis_out,
+                                 point_out, forward);
+    uint word = ls_load_word(ls_scene.shafts, grid.first_shaft_word + shaft);
+    walk.signature = forward ? word : bitfieldReverse(word);
+    walk.s_line = s_enter;
+    walk.s_interval = (s_leave - s_enter) * (1.0 / float(LS_SIGNATURE_INTERVALS));
+    ls_work.y++;
+}
+
+// Goes on to the next run of filled intervals that does not lie behind; what is before it is empty. False if there is none.
+bool ls_walk_jump(LsGrid grid, inout LsWalk walk)
+{
+    bool behind = true;
+    while (behind && walk.signature != 0u)
+    {
+        uint first = uint(findLSB(walk.signature));
+        uint left = LS_SIGNATURE_INTERVALS - first;
+        uint count = min(uint(findLSB(~(walk.signature >> first))), left); // -1 for none
+        bool is_last = count == left;
+        walk.signature &= is_last ? 0u : 0xFFFFFFFFu << (first + count);
+        walk.s_stop =
+            is_last ? LS_INFINITY : walk.s_line + float(first + count) * walk.s_interval;
+        float s_begin = walk.s_line + float(first) * walk.s_interval;
+        behind = walk.s_stop < walk.s;
+        if (!behind && s_begin > walk.s)
+        {
+            walk.s = s_begin;
+            ls_walk_enter(grid, walk);
+        }
+    }
+    // A device that ended the loop before its time has not looked at all runs.
+    return !behind || int(walk.signature | (0u - walk.signature)) < 0;
 }
 
 // Places a ray at the first cell. False if it misses the grid, or if its best hit lies before it.
@@ -65,8 +161,6 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     bvec3 falling = lessThan(mix(ray.direction, vec3(0.0), still), vec3(0.0));
     precise vec3 inverse = abs(ls_inverse_direction(ray.direction)) / inverse_cell;
     vec3 border = vec3(grid.cells);
-    walk.axis = 3u;
-    walk.level = 0u;
     walk.block = 0u;
     walk.leaf_node = 0u;
     walk.first_reference = 0u;
@@ -93,51 +187,46 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     precise float s_first = ray.smin - ray.s0;
     precise float s = max(s_enter, s_first);
     walk.s = s;
-    walk.cell = ivec3(clamp(floor(walk.origin + walk.direction * s), low, low + border - 1.0));
+    ls_walk_enter(grid, walk);
     precise float s_end = s + ray.s0;
-    return s_enter <= s_leave && s <= s_leave && s_end <= ray.smax;
+    bool meets = s_enter <= s_leave && s <= s_leave && s_end <= ray.smax;
+    walk.signature = 0u;
+    walk.s_stop = LS_INFINITY;
+    if (LS_USES_SCENE_SHAFTS && grid.scene_patches != 0u && meets)
+    {
+        uint axis_in = ls_max_axis(mix(s_low, vec3(-LS_INFINITY), still));
+        uint axis_out = ls_min_axis(mix(s_high, vec3(LS_INFINITY), still));
+        ls_load_signature(grid, walk, s_enter, axis_in, s_leave, axis_out);
+        meets = ls_walk_jump(grid, walk) && walk.s + ray.s0 <= ray.smax;
+    }
+    return meets;
 }
 
 // Whether the ray has left the grid, or nothing ahead can be nearer than its best hit: what lies beyond has
-// a greater s, compared with s0 added, as hits are.
-bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
+// a greater s, compared with s0 added, as hits are. Passes what is known to be empty first.
+bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
 {
+    if (LS_USES_SCENE_SHAFTS && walk.s > walk.s_stop && walk.leaf_node == 0u &&
+        !ls_walk_jump(grid, walk))
+    {
+        return true;
+    }
     precise float s_end = walk.s + ray.s0;
     uvec3 at = uvec3(walk.cell ^ ls_mirror(walk.mirror)); // of cells below 0, greater than any size
     bool outside = any(greaterThanEqual(at, grid.cells));
     return ray.smax < s_end || (outside && (LS_HAS_SUBGRIDS == 0u || walk.level == 0u));
 }
 
-// Patch index on the face of `axis` of a point in the voxel's coordinates, clamped onto it.
-uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
-{
-    float n = float(patches);
-    ivec3 k = ivec3(clamp(point * n, vec3(0.0), vec3(n - 0.5)));
-    ivec3 turned = ls_mirror(mirror);
-    k = (k ^ turned) + (turned & ivec3(patches));
-    ivec2 on_face = axis == 0u ? k.yz : (axis == 1u ? k.zx : k.xy);
-    return uint(on_face.x) * patches + uint(on_face.y);
-}
-
-// The mask of the shaft through which the ray crosses a voxel: it enters at `point_in` by the near face of
-// axis_in and leaves at `point_out` by the far face of axis_out, points in the voxel's coordinates. Bits from
-// the voxel's reference count on are those of other shafts. SPEC chapter 6.
+// The mask of the shaft through which the ray crosses a voxel, as ls_shaft_number takes it. Bits from the voxel's
+// reference count on are those of other shafts.
 uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_in, vec3 point_in,
                    uint axis_out, vec3 point_out)
 {
     uint patches = (voxel.shape >> 8) & 0xFFu;
     uint width_log2 = (voxel.shape >> 16) & 0xFFu;
-    uint patch_in = ls_patch_index(point_in, mirror, axis_in, patches);
-    uint patch_out = ls_patch_index(point_out, mirror, axis_out, patches);
-    uint face_in = 2u * axis_in + ((mirror >> axis_in) & 1u);
-    uint face_out = 2u * axis_out + (~(mirror >> axis_out) & 1u);
-    bool forward = face_in < face_out;
-    uint face_a = forward ? face_in : face_out;
-    uint face_b = forward ? face_out : face_in;
-    uint patch_a = forward ? patch_in : patch_out;
-    uint patch_b = forward ? patch_out : patch_in;
-    uint pair = face_a * 5u - face_a * (face_a - 1u) / 2u + (face_b - face_a - 1u);
-    uint shaft = (pair * patches * patches + patch_a) * patches * patches + patch_b;
+    bool forward;
+    uint shaft =
+        ls_shaft_number(patches, mirror, axis_in, point_in, axis_out, point_out, forward);
     bool exact = LS_HAS_EXACT_MASKS != 0u && width_log2 == 0u;
     uint width = exact ? voxel.reference_count : 1u << width_log2;
     uint bit = shaft * width;

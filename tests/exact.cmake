@@ -12,6 +12,12 @@ set_tests_properties(test_hard PROPERTIES LABELS gpu)
 # The layouts of masks against each other.
 ls_add_test(NAME test_masks SOURCES test_masks.c LIBRARIES ls_test_gpu ls_test_scenes ls_file_fixture)
 
+# The same scenes with scene shafts and without; and the suite with them.
+ls_add_test(NAME test_scene_trace SOURCES test_scene_trace.c LIBRARIES ls_test_gpu ls_test_scenes)
+set_tests_properties(test_scene_trace PROPERTIES LABELS gpu)
+add_test(NAME test_exact_scene_shafts COMMAND test_exact --rays 2000 --scene-shafts 6)
+set_tests_properties(test_exact_scene_shafts PROPERTIES LABELS gpu)
+
 # Arrays cut into segments against whole ones.
 ls_add_test(NAME test_segments SOURCES test_segments.c LIBRARIES ls_test_gpu ls_test_scenes ls_render)
 set_tests_properties(test_segments PROPERTIES LABELS gpu)

@@ -2,11 +2,12 @@
 // bit, and both against the float reference, double precision and Embree by the contract of SPEC
 // 7.6. docs/exactness.md says how to read its table.
 //
-// test_exact [--rays N] [--brute M] [--mesh NAME]
+// test_exact [--rays N] [--brute M] [--mesh NAME] [--scene-shafts M]
 //     N rays a mesh and placement, 20,000 by default.
 //     The GPU tests all triangles for as many rays of a setting as M million tests allow (default 10; 0: for
 //     every ray), and for each ray on which the Line Space, the float reference and Embree are not of one mind.
 //     NAME: one mesh instead of all.
+//     With --scene-shafts every file is baked with those of M x M patches a face.
 
 #include "baked.h"
 #include "gpu.h"
@@ -143,6 +144,7 @@ typedef struct LsTally
 static LsGpu gpu;
 static uint32_t ray_count = 20000;
 static uint64_t brute_million = 10;
+static uint32_t scene_patches;
 static LsTally total;
 static uint64_t ordinary_mesh_rays, ordinary_mesh_exceptions;
 
@@ -450,7 +452,8 @@ static void run_setting(const LsExactCase* exact_case, const LsSetting* setting,
                        &(LsBakeDesc){.grid = setting->grid,
                                      .patches = setting->patches,
                                      .choose_patches = setting->byte_price > 0.0,
-                                     .byte_price = setting->byte_price});
+                                     .byte_price = setting->byte_price,
+                                     .scene_patches = scene_patches});
     LsContest contest = {.baked = &baked};
     ls_gpu_scene_open(&gpu, &contest.scene, baked.path);
     contest.reference = ls_reference_create(&baked.file);
@@ -639,6 +642,10 @@ int main(int argc, char** argv)
         else if (strcmp(argv[i], "--brute") == 0)
         {
             brute_million = strtoull(argv[i + 1], NULL, 10);
+        }
+        else if (strcmp(argv[i], "--scene-shafts") == 0)
+        {
+            scene_patches = (uint32_t)strtoul(argv[i + 1], NULL, 10);
         }
     }
     struct CMUnitTest tests[CASE_COUNT + 1];

@@ -504,7 +504,7 @@ LS_SIZE(LsGridParams, 128);
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
 #define LS_METHOD_GRID 2u  // the same cells without shafts: tells what these are worth
 // Exact, but instead of a hit what it took: `instance` holds the cells and empty cubes walked, `object` the shafts
-// looked up, `primitive` the triangles tested, `material` 0, t, u, v 0.
+// looked up, those across grids too, `primitive` the triangles tested, `material` 0, t, u, v 0.
 #define LS_METHOD_COUNT 3u
 
 // Specialization constants of the kernels: 0 the method, from 1 on the required features in bit order,
