@@ -36,6 +36,9 @@ struct LsGrid
     uint scene_patches;       // M, 0: no scene shafts; they are the first of the shaft words
 };
 
+// A cell outside of every grid, mirrored or not.
+const int LS_OUTSIDE = 0x7FFFFFFF;
+
 #define LS_USES_SCENE_SHAFTS (LS_HAS_SCENE_SHAFTS != 0u && LS_METHOD != LS_METHOD_GRID)
 
 // Where a ray stands in the grid of its object: grid space, mirrored.
@@ -67,15 +70,16 @@ ivec3 ls_mirror(uint mirror)
     return -ivec3((uvec3(mirror) >> uvec3(0u, 1u, 2u)) & 1u);
 }
 
-// Enters the cell at s, in the middle of the grid's cells.
-void ls_walk_enter(LsGrid grid, inout LsWalk walk)
+// The cell in which a ray is at s, of a grid whose mirrored lower corner is `low`.
+ivec3 ls_find_cell(LsWalk walk, float s, vec3 low, vec3 border)
 {
-    bvec3 falling = notEqual(ls_mirror(walk.mirror), ivec3(0));
-    vec3 border = vec3(grid.cells);
-    vec3 low = mix(vec3(0.0), -border, falling);
-    walk.axis = 3u;
-    walk.level = 0u;
-    walk.cell = ivec3(clamp(floor(walk.origin + walk.direction * walk.s), low, low + border - 1.0));
+    return ivec3(clamp(floor(walk.origin + walk.direction * s), low, low + border - 1.0));
+}
+
+// The lower corner of a grid, mirrored.
+vec3 ls_mirrored_low(uint mirror, vec3 border)
+{
+    return mix(vec3(0.0), -border, notEqual(ls_mirror(mirror), ivec3(0)));
 }
 
 // Patch index on the face of `axis` of a point in a box's coordinates, [0,1] each, clamped onto it.
@@ -114,7 +118,7 @@ void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_
                        uint axis_out)
 {
     vec3 border = vec3(grid.cells);
-    vec3 low = mix(vec3(0.0), -border, notEqual(ls_mirror(walk.mirror), ivec3(0)));
+    vec3 low = ls_mirrored_low(walk.mirror, border);
     vec3 point_in = (walk.origin + walk.direction * s_enter - low) / border;
     vec3 point_out = (walk.origin + walk.direction * s_leave - low) / border;
     bool forward;
@@ -144,8 +148,11 @@ bool ls_walk_jump(LsGrid grid, inout LsWalk walk)
         behind = walk.s_stop < walk.s;
         if (!behind && s_begin > walk.s)
         {
+            vec3 border = vec3(grid.cells);
             walk.s = s_begin;
-            ls_walk_enter(grid, walk);
+            walk.axis = 3u;
+            walk.level = 0u;
+            walk.cell = ls_find_cell(walk, s_begin, ls_mirrored_low(walk.mirror, border), border);
         }
     }
     // A device that ended the loop before its time has not looked at all runs.
@@ -161,6 +168,8 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     bvec3 falling = lessThan(mix(ray.direction, vec3(0.0), still), vec3(0.0));
     precise vec3 inverse = abs(ls_inverse_direction(ray.direction)) / inverse_cell;
     vec3 border = vec3(grid.cells);
+    walk.axis = 3u;
+    walk.level = 0u;
     walk.block = 0u;
     walk.leaf_node = 0u;
     walk.first_reference = 0u;
@@ -187,11 +196,14 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     precise float s_first = ray.smin - ray.s0;
     precise float s = max(s_enter, s_first);
     walk.s = s;
-    ls_walk_enter(grid, walk);
+    walk.cell = ls_find_cell(walk, s, low, border);
     precise float s_end = s + ray.s0;
     bool meets = s_enter <= s_leave && s <= s_leave && s_end <= ray.smax;
-    walk.signature = 0u;
-    walk.s_stop = LS_INFINITY;
+    if (LS_USES_SCENE_SHAFTS)
+    {
+        walk.signature = 0u;
+        walk.s_stop = LS_INFINITY;
+    }
     if (LS_USES_SCENE_SHAFTS && grid.scene_patches != 0u && meets)
     {
         uint axis_in = ls_max_axis(mix(s_low, vec3(-LS_INFINITY), still));
@@ -203,14 +215,9 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
 }
 
 // Whether the ray has left the grid, or nothing ahead can be nearer than its best hit: what lies beyond has
-// a greater s, compared with s0 added, as hits are. Passes what is known to be empty first.
-bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
+// a greater s, compared with s0 added, as hits are.
+bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
 {
-    if (LS_USES_SCENE_SHAFTS && walk.s > walk.s_stop && walk.leaf_node == 0u &&
-        !ls_walk_jump(grid, walk))
-    {
-        return true;
-    }
     precise float s_end = walk.s + ray.s0;
     uvec3 at = uvec3(walk.cell ^ ls_mirror(walk.mirror)); // of cells below 0, greater than any size
     bool outside = any(greaterThanEqual(at, grid.cells));
@@ -386,6 +393,11 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         }
     }
     walk.cell = next;
+    if (LS_USES_SCENE_SHAFTS && walk.s > walk.s_stop && !ls_walk_jump(grid, walk))
+    {
+        walk.level = 0u;
+        walk.cell = ivec3(LS_OUTSIDE);
+    }
 }
 
 #endif
