@@ -4,6 +4,7 @@
 #include "compose.h"
 #include "cost_model.h"
 #include "depfile.h"
+#include "linespace.h"
 #include "ls_bake.h"
 #include "ls_write.h"
 #include "memory_limit.h"

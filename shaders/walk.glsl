@@ -124,7 +124,7 @@ void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_
     bool forward;
     uint shaft = ls_shaft_number(grid.scene_patches, walk.mirror, axis_in, point_in, axis_out,
                                  point_out, forward);
-    uint word = ls_load_word(ls_scene.shafts, grid.first_shaft_word + shaft);
+    uint word = LS_LOAD_WORD(ls_scene.shafts, grid.first_shaft_word + shaft);
     walk.signature = forward ? word : bitfieldReverse(word);
     walk.s_line = s_enter;
     walk.s_interval = (s_leave - s_enter) * (1.0 / float(LS_SIGNATURE_INTERVALS));
