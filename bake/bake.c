@@ -457,7 +457,7 @@ static LsResult make_scene_shafts(Bake* bake, LsBakedObject* object, LsError* er
         return LS_OK;
     }
     const uint64_t needed = ls_scene_shafts_need(&object->voxels.frame, patches);
-    LsResult result = check_memory(bake, needed, "the shafts across a grid", error);
+    LsResult result = check_memory(bake, needed, "the table of shafts across a grid", error);
     if (result == LS_OK)
     {
         result = ls_scene_shafts_create(&object->scene_shafts, &object->voxels, patches,
