@@ -114,6 +114,7 @@ compare_bytes()
     mkdir -p build/bytes
     local scene scenes name grid patches same=0 differing=0
     compare_bake cornell scenes/cornell.gltf scenes/bunny.ply || return
+    compare_bake shafts scenes/cornell.gltf scenes/bunny.ply --scene-shafts 9 || return
     scenes=$(build/release/bin/write_scenes build/bytes) || return
     for scene in $scenes; do
         for grid in 5 9 24; do
@@ -128,7 +129,7 @@ compare_bytes()
             rm -f "build/bytes/"*"-$name.lspace"
         done
     done
-    echo "gcc and clang bake the same bytes of $same scenes and the bundled one, others of $differing; clang's" \
+    echo "gcc and clang bake the same bytes of $same scenes and the bundled one, with scene shafts too, others of $differing; clang's" \
         "reader takes gcc's files"
     ((same > 0 && differing == 0))
 }

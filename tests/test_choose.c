@@ -154,7 +154,7 @@ static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
     LsRandom random = {7};
     double sum = 0.0;
     uint32_t count = 0;
-    while (count < 100000)
+    while (count < 20000)
     {
         Line line;
         const double zero[3] = {0};
