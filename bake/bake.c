@@ -4,7 +4,6 @@
 #include "compose.h"
 #include "cost_model.h"
 #include "depfile.h"
-#include "linespace.h"
 #include "ls_bake.h"
 #include "ls_write.h"
 #include "memory_limit.h"
@@ -26,12 +25,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <time.h>
-
-// With it and the grid of default_grid files are a third of what they are with 3 patches at their own best grid, at
-// 0.91 to 0.96 times the shadow and diffuse rays a second and 0.85 to 0.94 times the camera rays (docs/benchmarks.md, "Cells and N: bytes, speed, tests").
-#define DEFAULT_PATCHES 2
-#define DEFAULT_MOST_PATCHES 5
-#define DEFAULT_BYTE_PRICE 0.001
 
 const char* ls_bake_stage_text(LsBakeStage stage)
 {
@@ -56,8 +49,8 @@ typedef struct Bake
     LsPack pack;
     uint8_t source_hash[16];
     LsPatchesChoice patches;
-    bool is_chosen;    // by expected work
-    LsChoice* choices; // of each object
+    LsShaftWeights weights[LS_MAX_PATCHES + 1]; // of each N that may be used
+    LsChoice* choices;                          // of each object
     uint32_t threads;
     LsBakeStage stage; // the one that runs
     double stage_begin;
@@ -73,8 +66,8 @@ static double now(void)
     return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
 }
 
-// Shares of a bake's time, in hundredths, as scanned models of a hundred thousand to a million triangles
-// have them with three patches. They say how the bar moves, nothing else.
+// Shares of a bake's time, in hundredths, as scanned models of a hundred thousand to a million
+// triangles have them with three patches. They say how the bar moves, nothing else.
 static const double stage_shares[LS_BAKE_STAGE_COUNT] = {
     [LS_BAKE_STAGE_IMPORT] = 2,  [LS_BAKE_STAGE_MESH] = 2,       [LS_BAKE_STAGE_CHOOSE] = 38,
     [LS_BAKE_STAGE_VOXELS] = 12, [LS_BAKE_STAGE_LINESPACE] = 30, [LS_BAKE_STAGE_PACK] = 5,
@@ -91,7 +84,8 @@ static void note_progress(Bake* bake, double fraction)
     double done = 0.0, all = 0.0;
     for (int i = 0; i < LS_BAKE_STAGE_COUNT; i++)
     {
-        const double share = i == LS_BAKE_STAGE_CHOOSE && !bake->is_chosen ? 0.0 : stage_shares[i];
+        const double share =
+            i == LS_BAKE_STAGE_CHOOSE && !bake->patches.by_work ? 0.0 : stage_shares[i];
         const double part = i == (int)bake->stage ? fmin(fraction, 1.0) : 1.0;
         done += i <= (int)bake->stage ? share * part : 0.0;
         all += share;
@@ -166,13 +160,17 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "byte_price %g is not a price",
                             desc->byte_price);
     }
-    if (desc->memory != 0 &&
-        ((desc->patches != 0 && !desc->choose_patches) || desc->byte_price != 0.0))
+    if (desc->memory != 0 && desc->patches != 0 && !desc->choose_patches)
     {
-        return ls_error_set(
-            error, LS_MESSAGE_USAGE_CHOICE,
-            "memory chooses patches and their price itself; give neither byte_price "
-            "nor patches, but for the most of them, as auto:N");
+        return ls_error_set(error, LS_MESSAGE_USAGE_CHOICE,
+                            "patches %u cannot go with memory, which chooses them; auto:%u, which "
+                            "sets the most, can",
+                            desc->patches, desc->patches);
+    }
+    if (desc->byte_price != 0.0 && (desc->memory != 0 || !desc->choose_patches))
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_CHOICE,
+                            "byte_price is of use with patches auto alone, and not with memory");
     }
     if ((unsigned)desc->normals > LS_NORMALS_SMOOTH)
     {
@@ -229,8 +227,8 @@ static bool are_hashes_right(const Bake* bake, const LsFile* file)
     return ok;
 }
 
-// Whether the output is a sound file of just this input. With all hashes right it is, byte for byte, what a
-// bake wrote, and that kept every rule.
+// Whether the output is a sound file of just this input. With all hashes right it is, byte for
+// byte, what a bake wrote, and that kept every rule.
 static bool is_up_to_date(Bake* bake)
 {
     LsMapping mapping;
@@ -351,11 +349,6 @@ static void count_kinds(LsBakeReport* report, const LsVoxels* voxels)
     }
 }
 
-static bool is_chosen(const LsBakeDesc* desc)
-{
-    return desc->memory != 0 || (desc->grid == 0 && desc->patches == 0 && !desc->choose_patches);
-}
-
 // Bytes of what tracing reads and no choice alters.
 static uint64_t count_fixed_bytes(const Bake* bake)
 {
@@ -380,28 +373,29 @@ static LsResult choose_grids(Bake* bake, LsError* error)
     {
         return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for %u objects", count);
     }
-    if (bake->is_chosen)
+    const uint32_t first = bake->patches.chosen ? 1 : bake->patches.patches;
+    if (!ls_shaft_weights_create_all(bake->weights, first, bake->patches.patches))
     {
-        const uint64_t fixed = count_fixed_bytes(bake);
-        const LsChooseDesc choose = {
-            .memory = desc->memory > fixed ? desc->memory - fixed : desc->memory != 0,
-            .grid = desc->grid,
-            .patches = bake->patches.patches,
-            .threads = bake->threads,
-            .max_memory = desc->max_memory,
-            .scene = desc->inputs[0].path,
-        };
-        bake->part_share = 1.0;
-        const LsStageProgress progress = {.note = note_part, .user = bake};
-        return ls_choose(bake->choices, &bake->input, bake->meshes, &choose, &progress, error);
+        return ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY, "out of memory for weights of shafts");
     }
-    for (uint32_t i = 0; i < count; i++)
+    if (!bake->patches.by_work)
     {
-        const uint32_t triangles = bake->meshes[i].triangle_count;
-        const uint32_t grid = desc->grid != 0 ? desc->grid : ls_grid_by_triangles(triangles);
-        bake->choices[i].grid = triangles > LS_LIST_TRIANGLES ? grid : 0;
+        ls_choose_given(bake->choices, &bake->input, bake->meshes, desc->grid);
+        return LS_OK;
     }
-    return LS_OK;
+    const LsChooseDesc choose = {
+        .memory = desc->memory,
+        .fixed_bytes = count_fixed_bytes(bake),
+        .grid = desc->grid,
+        .patches = bake->patches.patches,
+        .weights = bake->weights,
+        .threads = bake->threads,
+        .max_memory = desc->max_memory,
+        .scene = desc->inputs[0].path,
+    };
+    bake->part_share = 1.0;
+    const LsStageProgress progress = {.note = note_part, .user = bake};
+    return ls_choose(bake->choices, &bake->input, bake->meshes, &choose, &progress, error);
 }
 
 static void note_grid(LsBakeReport* report, uint32_t grid)
@@ -481,13 +475,13 @@ static LsResult make_object_tables(Bake* bake, LsError* error)
         {
             continue;
         }
-        if (bake->is_chosen)
+        if (patches.by_work)
         {
             patches.byte_price = bake->choices[i].price / ls_cell_visits(&object->voxels.frame);
         }
         ls_tables_destroy(&object->tables);
         result = ls_tables_create(&object->tables, &object->voxels, &bake->meshes[i], &patches,
-                                  bake->threads, &progress, error);
+                                  bake->weights, bake->threads, &progress, error);
     }
     return result;
 }
@@ -518,13 +512,14 @@ static void count_tables(Bake* bake)
         {
             continue;
         }
-        const double each = ls_cell_visits(&object->voxels.frame);
+        const double weight = bake->choices[i].weight;
+        const double each = weight * ls_cell_visits(&object->voxels.frame);
         report->shaft_count += object->tables.shaft_count;
         report->filled_shaft_count += object->tables.filled_count;
         count_kinds(report, &object->voxels);
         visits += object->tables.visits;
         tests += object->tables.tests;
-        report->steps_per_line += ls_expected_steps(&object->voxels);
+        report->steps_per_line += weight * ls_expected_steps(&object->voxels);
         report->lookups_per_line += object->tables.lookups * each;
         report->tests_per_line += object->tables.tests * each;
     }
@@ -532,8 +527,8 @@ static void count_tables(Bake* bake)
     report->memory_bytes = count_memory(bake);
 }
 
-// The price comes from samples, so what the tables really take may be a little more than the memory allows: then
-// once more, dearer.
+// The price comes from samples, so what the tables really take may be a little more than the memory
+// allows: then once more, dearer, at the end without any masks, which fit (ls_choose).
 static LsResult make_tables(Bake* bake, LsError* error)
 {
     const uint64_t needed =
@@ -658,16 +653,6 @@ static LsResult run_stages(Bake* bake, LsError* error)
     return result;
 }
 
-static LsPatchesChoice make_patches(const LsBakeDesc* desc)
-{
-    const bool chosen = desc->choose_patches || is_chosen(desc);
-    const uint32_t patches = chosen ? DEFAULT_MOST_PATCHES : DEFAULT_PATCHES;
-    const double price = desc->byte_price > 0.0 ? desc->byte_price : DEFAULT_BYTE_PRICE;
-    return (LsPatchesChoice){.patches = desc->patches != 0 ? desc->patches : patches,
-                             .chosen = chosen,
-                             .byte_price = chosen ? price : 0.0};
-}
-
 static LsResult run(Bake* bake, LsError* error)
 {
     LsResult result = hash_source(bake, error);
@@ -701,8 +686,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
         return result;
     }
     Bake bake = {.desc = desc,
-                 .patches = make_patches(desc),
-                 .is_chosen = is_chosen(desc),
+                 .patches = ls_patches_choice(desc),
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();
@@ -730,6 +714,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
     free(bake.meshes);
     free(bake.objects);
     free(bake.choices);
+    ls_shaft_weights_destroy_all(bake.weights);
     ls_pack_destroy(&bake.pack);
     ls_world_destroy(&bake.world);
     ls_input_destroy(&bake.input);

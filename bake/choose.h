@@ -1,40 +1,53 @@
-// choose.h - cells and a price of bytes for every object of a scene, by expected work and memory.
+// choose.h - what a bake is to make of every object: cells, and a price of bytes by expected work
+// and memory.
 //
-// One price for the whole scene divides memory where it saves most: each object takes the grid, and each voxel
-// the N, of the least work of a line + price * bytes. Lines meet objects with the ratio of their boxes' surfaces.
+// One price for the whole scene divides memory where it saves most: each object takes the grid, and
+// each voxel the N, of the least work of a line + price * bytes. Lines meet objects with the ratio
+// of their boxes' surfaces.
 
 #ifndef LS_CHOOSE_H
 #define LS_CHOOSE_H
 
 #include "survey.h"
-
-// What is to be chosen from. Zero means default.
-typedef struct LsChooseDesc
-{
-    // Bytes that all gridded objects together may take for tracing. 0: as many as pay; of all prices the one of the
-    // least work^8 * bytes, so that a doubling of memory must save a twelfth of the work.
-    uint64_t memory;
-    uint32_t grid;    // cells along the longest side of all objects; 0: chosen
-    uint32_t patches; // the most N
-    uint32_t threads;
-    uint64_t max_memory; // of this process, as LsBakeDesc.max_memory
-    const char* scene;   // a file's name, for errors
-} LsChooseDesc;
+#include "tables.h"
 
 // Of one object.
 typedef struct LsChoice
 {
-    uint32_t grid; // 0: the object is a list
-    double price;  // work of a line through the object that a byte of a table must save
+    uint32_t grid; // cells along the longest side; 0: the object is a list
+    double
+        weight; // part of all lines that meet the box of a gridded object, and of those this one's
+    double price; // work of a line through the object that a byte of a table must save
 } LsChoice;
 
-// Cells along the longest side by the number of triangles alone, where grids are not chosen: 0.3 of its root, in which a surface of
-// even triangles has its cells three and a third of their widths wide; 4 to 512.
-uint32_t ls_grid_by_triangles(uint32_t triangle_count);
+// What is to be chosen from.
+typedef struct LsChooseDesc
+{
+    // Bytes that tracing may take on the device, of which fixed_bytes go to what no choice alters.
+    // 0: as many as pay; of all prices the one of the least work^8 * bytes, so that a doubling of
+    // memory must save a twelfth of the work.
+    uint64_t memory;
+    uint64_t fixed_bytes;
+    uint32_t grid;                 // cells along the longest side of all objects; 0: chosen
+    uint32_t patches;              // the most N, 1..LS_MAX_CHOSEN_PATCHES
+    const LsShaftWeights* weights; // of each N from 1 on, borrowed
+    uint32_t threads;              // >= 1
+    uint64_t max_memory;           // of this process, as LsBakeDesc.max_memory
+    const char* scene;             // a file's name, for errors
+} LsChooseDesc;
 
-// choices: input->mesh_count. Errors: LIMIT_BUDGET (the least memory that the objects take is more), and those of
-// ls_voxels_create.
+// What the description asks for, defaults filled in.
+LsPatchesChoice ls_patches_choice(const LsBakeDesc* desc);
+
+// choices: input->mesh_count. Errors: LIMIT_BUDGET (even the least that the scene takes is more
+// than the memory), LIMIT_MEMORY, and those of ls_voxels_create. Of several grids one that holds
+// more records than the format counts is passed over.
 LsResult ls_choose(LsChoice* choices, const LsInput* input, const LsMesh* meshes,
                    const LsChooseDesc* desc, const LsStageProgress* progress, LsError* error);
+
+// The same without a choice: `grid` cells, or if 0 by the number of triangles alone, 0.3 of its
+// root and 4 to 512, in which a surface of even triangles has its cells three and a third of their
+// widths wide. Prices are 0.
+void ls_choose_given(LsChoice* choices, const LsInput* input, const LsMesh* meshes, uint32_t grid);
 
 #endif

@@ -15,8 +15,8 @@ static bool is_link(uint32_t word)
     return (word & 15u) == 0;
 }
 
-// Skips that begin in a visit. A line of any direction crosses 1.5 cells for each of their widths on average, so a skip
-// of d cells goes on through 1.5 (d - 1) others.
+// Skips that begin in a visit. A line of any direction crosses 1.5 cells for each of their widths on
+// average, so a skip of d cells goes on through 1.5 (d - 1) others.
 static double word_steps(uint32_t word)
 {
     double sum = 0.0;
@@ -55,9 +55,11 @@ double ls_expected_steps(const LsVoxels* voxels)
             const uint32_t left = cells[axis] - 4 * at[axis];
             inside[axis] = left < 4 ? left : 4;
         }
-        // A block has the surface of 16 cells.
+        // In surfaces of a cell: 16 of a block that lies in the grid whole.
+        const double surface =
+            (inside[0] * inside[1] + inside[1] * inside[2] + inside[2] * inside[0]) / 3.0;
         sum += is_link(word) ? block_steps(&voxels->cell_blocks[word >> 4], inside)
-                             : 16.0 * word_steps(word);
+                             : surface * word_steps(word);
     }
     static const uint32_t all[3] = {4, 4, 4};
     for (uint32_t i = 0; i < voxels->voxel_count; i++)

@@ -1,7 +1,7 @@
 // distances.c - d(cell) = 1 + min over the seven neighbours in the octant, 0 if the cell is filled.
 //
-// Both functions run one backward dynamic program per octant and keep two layers of it. Coordinates are
-// mirrored along negative axes, so that every octant runs the same way.
+// Both functions run one backward dynamic program per octant and keep two layers of it. Coordinates
+// are mirrored along negative axes, so that every octant runs the same way.
 
 #include "distances.h"
 
@@ -155,7 +155,8 @@ static void destroy_layer(Layer* layer)
     free(layer->is_near);
 }
 
-// Copies what borders on the block of a neighbour behind it along x, y and z (0 or 1 each; constants).
+// Copies what borders on the block of a neighbour behind it along x, y and z (0 or 1 each;
+// constants).
 static inline __attribute__((always_inline)) void
 copy_border(const Layer* layer, size_t at, uint8_t d[EDGE][EDGE][WIDE], int x, int y, int z)
 {
@@ -248,8 +249,9 @@ static void run_block(const CellRun* run, size_t at, uint32_t word)
     }
 }
 
-// Whether distances of the block's cells are wanted: it is filled, or distances below 15 may pass through it
-// on their way to a filled block, which takes one in the octant and one opposite, four blocks away at most.
+// Whether distances of the block's cells are wanted: it is filled, or distances below 15 may pass
+// through it on their way to a filled block, which takes one in the octant and one opposite, four
+// blocks away at most.
 static bool is_wanted(uint32_t word, uint32_t octant)
 {
     return is_link(word) ||

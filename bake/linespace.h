@@ -7,10 +7,7 @@
 #ifndef LS_LINESPACE_H
 #define LS_LINESPACE_H
 
-#include <stdint.h>
-
-// Shafts of a voxel: 15 pairs of faces, N^2 x N^2 patches each.
-#define LS_SHAFT_COUNT(patches) (15u * (patches) * (patches) * (patches) * (patches))
+#include "ls_format.h"
 
 // Working memory of ls_shafts_mark for one thread; about 500 KiB. Contents are its own.
 typedef struct LsShaftScratch LsShaftScratch;

@@ -61,8 +61,9 @@ uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count)
     return sizeof(uint32_t) * blocks + order;
 }
 
-// What packing takes besides what it packs. A voxel's record of the file is made beside the one that it was worked with,
-// object by object; then each block of tables is copied into an array that grows, and freed.
+// What packing takes besides what it packs. A voxel's record of the file is made beside the one
+// that it was worked with, object by object; then each block of tables is copied into an array that
+// grows, and freed.
 static uint64_t count_packing(const LsBakedObject* objects, uint32_t count, uint64_t table_bytes,
                               uint64_t most_in_block)
 {
@@ -72,7 +73,8 @@ static uint64_t count_packing(const LsBakedObject* objects, uint32_t count, uint
     return sizeof(LsVoxel) * most + ls_pack_spare(table_bytes) + most_in_block;
 }
 
-// Bytes of an object's tables, all of one N; `most_in_block` becomes those of its largest block if they are more.
+// Bytes of an object's tables, all of one N; `most_in_block` becomes those of its largest block if
+// they are more.
 static uint64_t count_tables(const LsVoxels* voxels, uint32_t patches, uint64_t* most_in_block)
 {
     uint64_t sum = 0;

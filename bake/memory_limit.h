@@ -19,13 +19,15 @@ uint64_t ls_memory_in_use(void);
 // Hands what malloc keeps of freed memory back to the system, where it can be asked to.
 void ls_memory_give_back(void);
 
-// What the largest mesh is made with: welded corners, marks of faces without area, and its triangles.
+// What the largest mesh is made with: welded corners, marks of faces without area, and its
+// triangles.
 uint64_t ls_mesh_need(const LsInput* input);
-// The dense table of a grid's blocks, and the triangles put into another order, with their new numbers.
+// The dense table of a grid's blocks, and the triangles put into another order, with their new
+// numbers.
 uint64_t ls_grid_need(const LsGridFrame* frame, uint32_t triangle_count);
-// The tables of all objects, and the more of what is worked with meanwhile and what packing, which comes next,
-// takes beside them. Where a choice finds N by voxel, only what is worked with: the tables are not known
-// beforehand.
+// The tables of all objects, and the more of what is worked with meanwhile and what packing, which
+// comes next, takes beside them. Where a choice finds N by voxel, only what is worked with: the
+// tables are not known beforehand.
 uint64_t ls_tables_need(const LsBakedObject* objects, uint32_t count, const LsPatchesChoice* choice,
                         uint32_t threads);
 // What packing takes besides these tables, once they are made.

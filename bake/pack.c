@@ -141,7 +141,8 @@ static bool append_copy(LsPackArray* array, const void* part, uint64_t count, si
     return true;
 }
 
-// Appends a part that malloc made, which is not the caller's any more: the first becomes the array itself.
+// Appends a part that malloc made, which is not the caller's any more: the first becomes the array
+// itself.
 static bool append_part(LsPackArray* array, void* part, uint64_t count, size_t size)
 {
     if (array->records == NULL && count > 0)
@@ -182,7 +183,8 @@ static bool append_voxels(LsPackArray* array, LsVoxels* work, uint32_t scene_wor
     return append_part(array, voxels, work->voxel_count, sizeof *voxels);
 }
 
-// Takes an object's arrays over, all it had. False when out of memory: the caller still has what is left.
+// Takes an object's arrays over, all it had. False when out of memory: the caller still has what is
+// left.
 static bool append_object(LsPack* pack, LsObject object, LsMesh* mesh, LsBakedObject* baked)
 {
     LsVoxels* voxels = &baked->voxels;

@@ -36,9 +36,9 @@ typedef struct LsPack
     LsPackLooks looks;
 } LsPack;
 
-// meshes, baked: input->mesh_count each. Each object's working arrays, and the input's images, are freed as
-// soon as they are packed, array by array: what is large is in memory once. Errors: OUT_OF_MEMORY, LIMIT_RECORDS
-// (sums beyond what the format counts).
+// meshes, baked: input->mesh_count each. Each object's working arrays, and the input's images, are
+// freed as soon as they are packed, array by array: what is large is in memory once. Errors:
+// OUT_OF_MEMORY, LIMIT_RECORDS (sums beyond what the format counts).
 LsResult ls_pack_create(LsPack* pack, LsInput* input, LsMesh* meshes, LsBakedObject* baked,
                         const LsWorld* world, uint32_t patches, LsError* error);
 void ls_pack_destroy(LsPack* pack);

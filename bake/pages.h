@@ -1,7 +1,8 @@
-// pages.h - memory in whole pages, which goes back to the system as soon as it is freed, in whatever order that is.
+// pages.h - memory in whole pages, which goes back to the system as soon as it is freed, in
+// whatever order that is.
 //
-// malloc keeps freed blocks for itself where younger ones lie behind them: a file whose parts are freed as they are
-// packed would be in memory twice.
+// malloc keeps freed blocks for itself where younger ones lie behind them: a file whose parts are
+// freed as they are packed would be in memory twice.
 
 #ifndef LS_PAGES_H
 #define LS_PAGES_H

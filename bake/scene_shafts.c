@@ -1,18 +1,19 @@
 // scene_shafts.c - signatures by counting filled cells in boxes.
 //
-// The points at the same fraction f of the ways from box A to box B fill a box, whose corners are A's and B's
-// mixed by f. So each axis has its own range of cells for each piece of the way, found once for all pairs of
-// places on that axis; and whether a box of cells is empty is told by eight sums (F. C. Crow, "Summed-Area
-// Tables for Texture Mapping", SIGGRAPH 1984, in three dimensions).
+// The points at the same fraction f of the ways from box A to box B fill a box, whose corners are
+// A's and B's mixed by f. So each axis has its own range of cells for each piece of the way, found
+// once for all pairs of places on that axis; and whether a box of cells is empty is told by eight
+// sums (F. C. Crow, "Summed-Area Tables for Texture Mapping", SIGGRAPH 1984, in three dimensions).
 
 #include "scene_shafts.h"
 
-#include "linespace.h"
+#include "ls_format.h"
 
 #include <math.h>
 #include <stdlib.h>
 
-// An interval is looked at in so many pieces, for the box around a slanted piece holds more than the piece.
+// An interval is looked at in so many pieces, for the box around a slanted piece holds more than
+// the piece.
 #define PIECES 2
 #define PIECE_COUNT (PIECES * LS_SIGNATURE_INTERVALS)
 
@@ -119,7 +120,8 @@ static uint16_t clamp_cell(double cell, uint32_t size)
     return (uint16_t)(cell < 0.0 ? 0 : cell > size ? size : (uint32_t)cell);
 }
 
-// For one axis. Ranges hold every cell that, grown by 2 bounds, meets the patches' mix, which grows by as much.
+// For one axis. Ranges hold every cell that, grown by 2 bounds, meets the patches' mix, which grows
+// by as much.
 static void fill_ranges(Work* work, int axis, const LsGridFrame* frame)
 {
     const uint32_t places = PLACE_COUNT(work->patches);

@@ -5,7 +5,7 @@
 
 #include "shaft_cost.h"
 
-#include "linespace.h"
+#include "ls_format.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -146,6 +146,26 @@ void ls_shaft_weights_destroy(LsShaftWeights* weights)
     *weights = (LsShaftWeights){0};
 }
 
+bool ls_shaft_weights_create_all(LsShaftWeights weights[LS_MAX_PATCHES + 1], uint32_t first,
+                                 uint32_t last)
+{
+    bool ok = true;
+    for (uint32_t n = 0; n <= LS_MAX_PATCHES; n++)
+    {
+        weights[n] = (LsShaftWeights){0};
+        ok = ok && (n < first || n > last || ls_shaft_weights_create(&weights[n], n));
+    }
+    return ok;
+}
+
+void ls_shaft_weights_destroy_all(LsShaftWeights weights[LS_MAX_PATCHES + 1])
+{
+    for (uint32_t n = 0; n <= LS_MAX_PATCHES; n++)
+    {
+        ls_shaft_weights_destroy(&weights[n]);
+    }
+}
+
 // ---- Sums ---------------------------------------------------------------------------------------------
 
 // In a form that becomes vectors on every machine.
@@ -167,6 +187,14 @@ double ls_shaft_tests(const LsShaftWeights* weights, const uint32_t* masks)
         sum += (uint64_t)weights->shafts[i] * count_bits(masks[i]);
     }
     return (double)sum / (double)weights->sum;
+}
+
+// Tests come down to what N cannot change with about 1 / N, so a step saves (n - 1) / (n + 1) of what the
+// one before it did. Of that, medians of 360,000 voxels of bunny and dragon were 0.65 and 0.71 from N = 2
+// to 3, 0.83 and 0.86 from 3 to 4.
+double ls_expected_saving(uint32_t n, double before, double here)
+{
+    return 0.8 * (before - here) * (n - 1) / (n + 1);
 }
 
 double ls_voxel_visits(const LsWorkVoxel* voxel)

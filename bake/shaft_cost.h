@@ -27,13 +27,23 @@ typedef struct LsShaftWeights
 bool ls_shaft_weights_create(LsShaftWeights* weights, uint32_t patches);
 void ls_shaft_weights_destroy(LsShaftWeights* weights);
 
+// Those of N = first to last at weights[N], the others empty. False when out of memory; also then
+// all are to be destroyed.
+bool ls_shaft_weights_create_all(LsShaftWeights weights[LS_MAX_PATCHES + 1], uint32_t first,
+                                 uint32_t last);
+void ls_shaft_weights_destroy_all(LsShaftWeights weights[LS_MAX_PATCHES + 1]);
+
 // The weight of a shaft before it is rounded, in 2^-30.
 double ls_shaft_weight(uint32_t shaft, uint32_t patches);
 
 // Triangles that a line through a voxel with these masks, one word a shaft, is expected to test.
 double ls_shaft_tests(const LsShaftWeights* weights, const uint32_t* masks);
 
-// The same for a voxel that is a BVH leaf: `nodes` is its BVH, in grid space. A line meets a box in
+// The tests that N = n + 1 is expected to save where n left `here` and n - 1 left `before`. A search for
+// the best N ends where that would not pay.
+double ls_expected_saving(uint32_t n, double before, double here);
+
+// The tests in a voxel that is a BVH leaf: `nodes` is its BVH, in grid space. A line meets a box in
 // the voxel with the probability of their surfaces' ratio.
 double ls_leaf_bvh_tests(const LsBvhNode* nodes, const LsWorkVoxel* voxel);
 

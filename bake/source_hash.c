@@ -17,7 +17,7 @@
 #include <xxhash.h>
 
 // Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 7
+#define BAKE_REVISION 8
 
 #define BLOCK_BYTES (16u << 20)
 #define PIECE_BYTES (256u << 10) // read at once: stays in the cache of a core
@@ -122,11 +122,11 @@ static void add_bytes(XXH3_state_t* state, const void* bytes, uint64_t size)
 
 static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, const LsPatchesChoice* choice)
 {
-    const uint32_t numbers[] = {LS_FORMAT_MAJOR,    LS_FORMAT_MINOR, LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR,   BAKE_REVISION,   desc->grid,
-                                choice->patches,    choice->chosen,  desc->keep_degenerate,
-                                desc->normals,      desc->no_weld,   desc->input_count,
-                                desc->scene_patches};
+    const uint32_t numbers[] = {LS_FORMAT_MAJOR,       LS_FORMAT_MINOR,    LS_VERSION_MAJOR,
+                                LS_VERSION_MINOR,      BAKE_REVISION,      desc->grid,
+                                choice->patches,       choice->chosen,     choice->by_work,
+                                desc->keep_degenerate, desc->normals,      desc->no_weld,
+                                desc->input_count,     desc->scene_patches};
     const uint64_t memory[] = {desc->memory};
     const double measures[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0,
                                choice->byte_price};

@@ -3,7 +3,6 @@
 #include "survey.h"
 
 #include "ls_format.h"
-#include "shaft_cost.h"
 #include "voxel_masks.h"
 
 #include <stdlib.h>
@@ -70,14 +69,13 @@ static void sample_voxel(Sampler* sampler, LsSurveyVoxel* sample, const LsWorkVo
 }
 
 static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh* mesh,
-                          const uint32_t* listed, const LsShaftWeights* weights, uint32_t patches,
-                          uint32_t threads)
+                          const uint32_t* listed, const LsSurveyDesc* desc)
 {
     const double cell = ls_cell_visits(&voxels->frame);
     bool ok = true;
-#pragma omp parallel num_threads(threads) reduction(&& : ok)
+#pragma omp parallel num_threads(desc->threads) reduction(&& : ok)
     {
-        Sampler sampler = {.words = malloc(sizeof(uint32_t) * LS_SHAFT_COUNT(patches))};
+        Sampler sampler = {.words = malloc(sizeof(uint32_t) * LS_SHAFT_COUNT(desc->patches))};
         ok = ls_voxel_masks_create(&sampler.masks, voxels, mesh) && sampler.words != NULL;
 #pragma omp for schedule(dynamic, 16)
         for (uint32_t i = 0; i < survey->voxel_count; i++)
@@ -87,7 +85,7 @@ static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh
             sample->visits = cell * ls_voxel_visits(voxel);
             if (ok)
             {
-                sample_voxel(&sampler, sample, voxel, weights, patches);
+                sample_voxel(&sampler, sample, voxel, desc->weights, desc->patches);
             }
         }
         ls_voxel_masks_destroy(&sampler.masks);
@@ -97,44 +95,35 @@ static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh
 }
 
 static bool take_samples(LsSurvey* survey, const LsVoxels* voxels, const LsMesh* mesh,
-                         uint32_t samples, uint32_t patches, uint32_t threads)
+                         const LsSurveyDesc* desc)
 {
     uint32_t *listed, listed_count;
     if (!list_voxels(survey, voxels, &listed, &listed_count))
     {
         return false;
     }
-    survey->voxel_count = listed_count < samples ? listed_count : samples;
+    survey->voxel_count = listed_count < desc->samples ? listed_count : desc->samples;
     survey->each = survey->voxel_count > 0 ? (double)listed_count / survey->voxel_count : 1.0;
     survey->voxels = calloc(survey->voxel_count + 1ull, sizeof *survey->voxels);
-    LsShaftWeights weights[LS_MAX_CHOSEN_PATCHES + 1] = {0};
-    bool ok = survey->voxels != NULL;
-    for (uint32_t n = 1; n <= patches && ok; n++)
-    {
-        ok = ls_shaft_weights_create(&weights[n], n);
-    }
-    ok = ok && sample_voxels(survey, voxels, mesh, listed, weights, patches, threads);
-    for (uint32_t n = 0; n <= LS_MAX_CHOSEN_PATCHES; n++)
-    {
-        ls_shaft_weights_destroy(&weights[n]);
-    }
+    const bool ok = survey->voxels != NULL && sample_voxels(survey, voxels, mesh, listed, desc);
     free(listed);
     return ok;
 }
 
-LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid, uint32_t samples,
-                          uint32_t patches, uint32_t threads, LsError* error)
+LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid,
+                          const LsSurveyDesc* desc, LsError* error)
 {
     *survey = (LsSurvey){.grid = grid};
     LsVoxels voxels;
-    LsResult result = ls_voxels_create(&voxels, mesh, grid, LS_MAX_DEPTH, threads, NULL, error);
+    LsResult result =
+        ls_voxels_create(&voxels, mesh, grid, LS_MAX_DEPTH, desc->threads, NULL, error);
     if (result != LS_OK)
     {
         return result;
     }
     survey->bytes = sizeof(LsTriangle) * (uint64_t)mesh->triangle_count + ls_voxels_bytes(&voxels);
     survey->steps = ls_expected_steps(&voxels);
-    if (!take_samples(survey, &voxels, mesh, samples, patches, threads))
+    if (!take_samples(survey, &voxels, mesh, desc))
     {
         ls_survey_destroy(survey);
         result = ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
@@ -150,6 +139,31 @@ void ls_survey_destroy(LsSurvey* survey)
     *survey = (LsSurvey){0};
 }
 
+static double table_bytes(uint32_t patches, uint32_t count)
+{
+    return sizeof(uint32_t) * (double)ls_mask_words(LS_SHAFT_COUNT(patches), count);
+}
+
+// The N that a table would be made with, by the same search.
+static uint32_t find_patches(const LsSurveyVoxel* voxel, uint32_t most, double price)
+{
+    double least = voxel->visits * voxel->tests[0];
+    uint32_t best = 0;
+    bool goes_on = true;
+    for (uint32_t n = 1; n <= most && goes_on; n++)
+    {
+        const double table = table_bytes(n, voxel->count);
+        const double cost = voxel->visits * (LS_LOOKUP_COST + voxel->tests[n]) + price * table;
+        best = cost < least ? n : best;
+        least = cost < least ? cost : least;
+        const double hope =
+            voxel->visits * ls_expected_saving(n, voxel->tests[n - 1], voxel->tests[n]);
+        const double step = price * (table_bytes(n + 1, voxel->count) - table);
+        goes_on = n < 2 || cost + step - hope < least;
+    }
+    return best;
+}
+
 LsOffer ls_survey_offer(const LsSurvey* survey, uint32_t patches, double price)
 {
     LsOffer offer = {.work = {.steps = survey->steps, .tests = survey->tests},
@@ -157,23 +171,11 @@ LsOffer ls_survey_offer(const LsSurvey* survey, uint32_t patches, double price)
     for (uint32_t i = 0; i < survey->voxel_count; i++)
     {
         const LsSurveyVoxel* voxel = &survey->voxels[i];
-        double least = voxel->visits * voxel->tests[0], bytes = 0.0;
-        uint32_t best = 0;
-        for (uint32_t n = 1; n <= patches; n++)
-        {
-            const double table =
-                sizeof(uint32_t) * (double)ls_mask_words(LS_SHAFT_COUNT(n), voxel->count);
-            const double cost = voxel->visits * (LS_LOOKUP_COST + voxel->tests[n]) + price * table;
-            if (cost < least)
-            {
-                least = cost;
-                best = n;
-                bytes = table;
-            }
-        }
-        offer.work.lookups += best > 0 ? survey->each * voxel->visits : 0.0;
-        offer.work.tests += survey->each * voxel->visits * voxel->tests[best];
-        offer.bytes += survey->each * bytes;
+        const uint32_t n = find_patches(voxel, patches, price);
+        const double visits = survey->each * voxel->visits;
+        offer.work.lookups += n > 0 ? visits : 0.0;
+        offer.work.tests += visits * voxel->tests[n];
+        offer.bytes += n > 0 ? survey->each * table_bytes(n, voxel->count) : 0.0;
     }
     return offer;
 }

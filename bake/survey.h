@@ -1,9 +1,10 @@
-// survey.h - what a grid would cost and take: its voxels, and of some of them the tests that each N leaves.
+// survey.h - what a grid would cost and take: its voxels, and of some the tests that each N leaves.
 
 #ifndef LS_SURVEY_H
 #define LS_SURVEY_H
 
 #include "cost_model.h"
+#include "shaft_cost.h"
 
 // A voxel that would have masks, standing for several.
 typedef struct LsSurveyVoxel
@@ -32,12 +33,23 @@ typedef struct LsOffer
     double bytes; // with masks
 } LsOffer;
 
-// Voxelizes the mesh and makes the masks of `samples` voxels, if so many would have some; patches: the most N. Errors: those of ls_voxels_create.
-LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid, uint32_t samples,
-                          uint32_t patches, uint32_t threads, LsError* error);
+// How a survey is made.
+typedef struct LsSurveyDesc
+{
+    uint32_t samples;              // voxels whose masks are made, if so many would have some
+    uint32_t patches;              // the most N
+    const LsShaftWeights* weights; // of each N from 1 on, borrowed
+    uint32_t threads;
+} LsSurveyDesc;
+
+// Voxelizes the mesh and samples. A crowded grid is halved as ls_voxels_create does. Errors: those
+// of ls_voxels_create.
+LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid,
+                          const LsSurveyDesc* desc, LsError* error);
 void ls_survey_destroy(LsSurvey* survey);
 
-// Every voxel with the N, up to `patches`, or no masks, of the least cost of a line + price * bytes.
+// Every voxel with the N, up to `patches`, or no masks, of the least cost of a line + price *
+// bytes.
 LsOffer ls_survey_offer(const LsSurvey* survey, uint32_t patches, double price);
 
 #endif

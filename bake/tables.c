@@ -5,18 +5,14 @@
 #include "cost_model.h"
 #include "ls_format.h"
 #include "pages.h"
-#include "shaft_cost.h"
 #include "voxel_masks.h"
 
 #include <omp.h>
 #include <stdlib.h>
 #include <string.h>
 
-// Medians of 360,000 voxels of bunny and dragon were 0.65 and 0.71 from N = 2 to 3, 0.83 and 0.86 from 3 to 4.
-#define STEP_SHARE 0.8
-
-// Packs masks of 32 bits a shaft into `width` bits, one behind the other. Returns the number of masks
-// that are not 0.
+// Packs masks of 32 bits a shaft into `width` bits, one behind the other. Returns the number of
+// masks that are not 0.
 static uint64_t pack_masks(const uint32_t* masks, uint32_t count, uint32_t width, uint32_t* words)
 {
     uint64_t filled = 0;
@@ -131,9 +127,7 @@ static double table_price(const Worker* worker, uint32_t patches, uint32_t count
            (double)ls_mask_words(LS_SHAFT_COUNT(patches), count);
 }
 
-// Leaves the masks of the best N in `best`; N is 0 where none is worth its table. Tests in a voxel come
-// down to what N cannot change with about 1 / N, so a step saves (N - 1) / (N + 1) of what the one before it
-// did, and STEP_SHARE of that as measured: the search ends where that would not pay.
+// Leaves the masks of the best N in `best`; N is 0 where none is worth its table.
 static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double* tests)
 {
     const uint32_t count = voxel->reference_count;
@@ -153,9 +147,9 @@ static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double*
             *tests = here;
             swap_masks(&worker->best, &worker->current);
         }
-        const double hope = STEP_SHARE * (before - here) * (n - 1) / (n + 1);
+        const double hope = visits * ls_expected_saving(n, before, here);
         const double step = table_price(worker, n + 1, count) - table_price(worker, n, count);
-        if (n >= 2 && cost + step - visits * hope >= least)
+        if (n >= 2 && cost + step - hope >= least)
         {
             break;
         }
@@ -164,8 +158,9 @@ static uint32_t choose_patches(Worker* worker, const LsWorkVoxel* voxel, double*
     return best;
 }
 
-// Room for all tables of a block, at most `most` words; NULL when out of memory. Where N is given they all come, and go
-// where they stay. Where it is chosen they are gathered first, since only then their size is known.
+// Room for all tables of a block, at most `most` words; NULL when out of memory. Where N is given
+// they all come, and go where they stay. Where it is chosen they are gathered first, since only
+// then their size is known.
 static uint32_t* reserve_words(Worker* worker, LsTableBlock* block, uint64_t most)
 {
     if (!worker->choice->chosen)
@@ -198,8 +193,8 @@ static bool keep_gathered(const Worker* worker, LsTableBlock* block)
     return true;
 }
 
-// Appends the table of a voxel of kind MASKS to the block's `words`, or makes it a LIST. Its `table` counts
-// from the first of them.
+// Appends the table of a voxel of kind MASKS to the block's `words`, or makes it a LIST. Its
+// `table` counts from the first of them.
 static void add_table(Worker* worker, LsTableBlock* block, uint32_t* words, LsWorkVoxel* voxel,
                       double* tests)
 {
@@ -304,18 +299,6 @@ static LsResult join_blocks(LsTables* tables, LsVoxels* voxels, LsError* error)
     return check_words(sum, error);
 }
 
-// Those of each N that may be used. False when out of memory.
-static bool create_weights(LsShaftWeights weights[LS_MAX_PATCHES + 1],
-                           const LsPatchesChoice* choice)
-{
-    bool ok = true;
-    for (uint32_t n = choice->chosen ? 1 : choice->patches; n <= choice->patches && ok; n++)
-    {
-        ok = ls_shaft_weights_create(&weights[n], n);
-    }
-    return ok;
-}
-
 // Fills all blocks; false when out of memory.
 static bool fill_blocks(LsTables* tables, LsVoxels* voxels, const Worker* shared, uint32_t threads,
                         const LsStageProgress* progress)
@@ -344,8 +327,8 @@ static bool fill_blocks(LsTables* tables, LsVoxels* voxels, const Worker* shared
 }
 
 LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh,
-                          const LsPatchesChoice* choice, uint32_t threads,
-                          const LsStageProgress* progress, LsError* error)
+                          const LsPatchesChoice* choice, const LsShaftWeights* weights,
+                          uint32_t threads, const LsStageProgress* progress, LsError* error)
 {
     // What is known beforehand is refused before the work.
     *tables = (LsTables){0};
@@ -357,14 +340,9 @@ LsResult ls_tables_create(LsTables* tables, LsVoxels* voxels, const LsMesh* mesh
     }
     tables->block_count = voxels->voxel_count / LS_TABLE_VOXELS + 1;
     tables->blocks = calloc(tables->block_count, sizeof *tables->blocks);
-    LsShaftWeights weights[LS_MAX_PATCHES + 1] = {0};
     const Worker shared = {.voxels = voxels, .mesh = mesh, .choice = choice, .weights = weights};
-    const bool ok = tables->blocks != NULL && create_weights(weights, choice) &&
-                    fill_blocks(tables, voxels, &shared, threads, progress);
-    for (uint32_t n = 0; n <= LS_MAX_PATCHES; n++)
-    {
-        ls_shaft_weights_destroy(&weights[n]);
-    }
+    const bool ok =
+        tables->blocks != NULL && fill_blocks(tables, voxels, &shared, threads, progress);
     result = ok ? join_blocks(tables, voxels, error)
                 : ls_error_set(error, LS_MESSAGE_OUT_OF_MEMORY,
                                "out of memory for the table of shafts; use fewer --patches");

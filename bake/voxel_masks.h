@@ -27,7 +27,8 @@ void ls_voxel_masks_begin(LsVoxelMasks* masks, const LsWorkVoxel* voxel);
 // Its masks for N = patches: LS_SHAFT_COUNT(patches) words.
 void ls_voxel_masks_mark(LsVoxelMasks* masks, uint32_t patches, uint32_t* words);
 
-// Masks of N = 1 from those of any N: the hull of two faces is the union of the hulls of their patches.
+// Masks of N = 1 from those of any N: the hull of two faces is the union of the hulls of their
+// patches.
 void ls_voxel_masks_merge(const uint32_t* words, uint32_t patches, uint32_t merged[15]);
 
 #endif

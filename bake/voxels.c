@@ -15,12 +15,12 @@
 
 #define MAX_LINKS (1u << 28) // an index has 28 bits
 
-// A grid is crowded if its cells together hold more references than this for each triangle, and more than
-// that for each filled cell: triangles lie through each other, and finer cells hold hardly fewer of
-// them. Such a grid is halved until it is not, which bounds time and memory. Meshes of one surface
-// hold 1.2 to 3 a triangle, or if their triangles span many cells 1 to 3 a cell. A surface fills about as many
-// cells as the box's faces have; where triangles fill the box, so many times as many count, since
-// to give each its own cells takes memory by the cube of the grid.
+// A grid is crowded if its cells together hold more references than this for each triangle, and
+// more than that for each filled cell: triangles lie through each other, and finer cells hold
+// hardly fewer of them. Such a grid is halved until it is not, which bounds time and memory. Meshes
+// of one surface hold 1.2 to 3 a triangle, or if their triangles span many cells 1 to 3 a cell. A
+// surface fills about as many cells as the box's faces have; where triangles fill the box, so many
+// times as many count, since to give each its own cells takes memory by the cube of the grid.
 #define CROWDED_TRIANGLE 16
 #define CROWDED_CELL 8
 #define CROWDED_FACES 4
@@ -28,8 +28,8 @@
 // With its sub-grids an object may hold so many times as many.
 #define CROWDED_SUBGRIDS 2
 
-// How far the stage is when voxels begin and end to be divided; this and the table in `run` are measured
-// on a scanned model (the Stanford dragon, 512 cells).
+// How far the stage is when voxels begin and end to be divided; this and the table in `run` are
+// measured on a scanned model (the Stanford dragon, 512 cells).
 #define DIVIDE_BEGIN 0.45
 #define DIVIDE_END 0.85
 
@@ -556,9 +556,9 @@ static LsResult run(Build* build, LsError* error)
     return result;
 }
 
-// References that a grid will hold, on average over where its cells begin: by Steiner's formula for boxes a
-// convex body in the plane meets 1 cell, and one for each cell of its extents along the axes and
-// of the areas of its projections along them.
+// References that a grid will hold, on average over where its cells begin: by Steiner's formula for
+// boxes a convex body in the plane meets 1 cell, and one for each cell of its extents along the
+// axes and of the areas of its projections along them.
 static double expect_references(const LsMesh* mesh, const uint8_t* copies, const LsGridFrame* frame,
                                 uint32_t threads)
 {
@@ -579,8 +579,8 @@ static double expect_references(const LsMesh* mesh, const uint8_t* copies, const
     return 0.01 * (double)sum;
 }
 
-// Whether a grid will be crowded, were all of its cells filled, or hold more than the format counts. Found
-// out without a visit to its cells, which may be very many.
+// Whether a grid will be crowded, were all of its cells filled, or hold more than the format
+// counts. Found out without a visit to its cells, which may be very many.
 static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t grid,
                             uint32_t threads)
 {

@@ -28,9 +28,10 @@ typedef struct LsVoxels
 } LsVoxels;
 
 // Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see
-// voxels->frame. Copies (ls_find_copies) are named by no voxel. Sub-grids are no deeper than `most_depth`, LS_MAX_DEPTH at most;
-// what would be divided further is a BVH. The result does not depend on `threads`. `progress`
-// may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
+// voxels->frame. Copies (ls_find_copies) are named by no voxel. Sub-grids are no deeper than
+// `most_depth`, LS_MAX_DEPTH at most; what would be divided further is a BVH. The result does not
+// depend on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or
+// references than the format counts).
 LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
                           uint32_t threads, const LsStageProgress* progress, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
@@ -38,8 +39,8 @@ void ls_voxels_destroy(LsVoxels* voxels);
 // Of its records in a file, without shaft tables and triangles.
 uint64_t ls_voxels_bytes(const LsVoxels* voxels);
 
-// Puts the mesh's triangles into the order in which its voxels first name them, so that what is tested together
-// lies together; copies come last. Errors: OUT_OF_MEMORY.
+// Puts the mesh's triangles into the order in which its voxels first name them, so that what is
+// tested together lies together; copies come last. Errors: OUT_OF_MEMORY.
 LsResult ls_voxels_order_triangles(LsVoxels* voxels, LsMesh* mesh, uint32_t threads,
                                    LsError* error);
 

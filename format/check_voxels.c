@@ -91,7 +91,7 @@ static LsResult check_masks(const LsCheck* check, VoxelPass* pass, const LsVoxel
         return ls_check_report(check, "R6.4", LS_CHUNK_VOXELS, record,
                                "%u references for masks of %u bits", voxel->reference_count, width);
     }
-    const uint64_t shafts = 15ull * patches * patches * patches * patches;
+    const uint64_t shafts = LS_SHAFT_COUNT(patches);
     const uint64_t words = ls_mask_words(shafts, width);
     if (voxel->table != pass->next_shaft_word ||
         words > pass->object->shaft_word_count - pass->next_shaft_word)

@@ -42,7 +42,7 @@ static inline uint32_t count_scene_shafts(const LsObject* object)
 {
     const uint32_t patches =
         object->scene_patches <= LS_MAX_SCENE_PATCHES ? object->scene_patches : 0;
-    return 15u * patches * patches * patches * patches;
+    return LS_SHAFT_COUNT(patches);
 }
 
 // Required features (R2.14). `counts` as in the header.

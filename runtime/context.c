@@ -101,9 +101,9 @@ static bool memory_is_unified(const VkPhysicalDeviceMemoryProperties* memory)
     return false;
 }
 
-// Lanes of a subgroup, if the two-pass kernels can use it: 32 at most, since they keep a bit a lane in a word, and
-// always as many, since they take a group of that size for one subgroup. Devices before Vulkan 1.3 do not say
-// whether it is so; `sizes` is zero for them.
+// Lanes of a subgroup, if the two-pass kernels can use it: 32 at most, since they keep a bit a lane
+// in a word, and always as many, since they take a group of that size for one subgroup. Devices
+// before Vulkan 1.3 do not say whether it is so; `sizes` is zero for them.
 static uint32_t count_shared_lanes(const VkPhysicalDeviceSubgroupProperties* subgroups,
                                    const VkPhysicalDeviceSubgroupSizeControlProperties* sizes)
 {

@@ -4,8 +4,8 @@
 
 #include <stdlib.h>
 
-// The arrays that tracing reads: chunk and the field of LsTraceScene that says where it lies. Those that grow
-// with triangles and cells may be cut.
+// The arrays that tracing reads: chunk and the field of LsTraceScene that says where it lies. Those
+// that grow with triangles and cells may be cut.
 #define TRACE_CHUNK_LIST(X) \
     X(OBJECTS, objects)     \
     X(INSTANCES, instances) \
@@ -50,7 +50,8 @@ static bool is_large(LsChunk chunk)
     }
 }
 
-// The size of segments, or 0 if none of the arrays needs more than one: then shaders have no table to look at.
+// The size of segments, or 0 if none of the arrays needs more than one: then shaders have no table
+// to look at.
 static uint32_t choose_segments(const LsContext* context, const LsFile* file)
 {
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
@@ -153,7 +154,8 @@ static uint64_t count_brute_rounds(const LsFile* file)
 // Top nodes that every ray of a first pass looks at, one after the other.
 #define MAX_TOP_NODES 64
 
-// The instance of a file's only object with a grid, or LS_NONE when there are more or none of either.
+// The instance of a file's only object with a grid, or LS_NONE when there are more or none of
+// either.
 static uint32_t find_grid_instance(const LsFile* file)
 {
     uint32_t grid_count = 0;
@@ -174,9 +176,9 @@ static uint32_t find_grid_instance(const LsFile* file)
     return grid_count == 1 && instance_count == 1 ? found : LS_NONE;
 }
 
-// Whether the scene can be traced in two passes, and then what the second needs to know. Its kernel takes the
-// grid's parts of the arrays to begin at 0, so other objects with a grid, even if without an instance,
-// rule it out.
+// Whether the scene can be traced in two passes, and then what the second needs to know. Its kernel
+// takes the grid's parts of the arrays to begin at 0, so other objects with a grid, even if without
+// an instance, rule it out.
 static void prepare_passes(LsScene* scene, const LsFile* file)
 {
     const uint32_t index = find_grid_instance(file);

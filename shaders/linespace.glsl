@@ -9,8 +9,9 @@
 //     ...
 //     LsHit hit = ls_trace_ray(ray, 0xFFu, 0u);
 //
-// The pipeline must be specialized with ls_scene_segment_log2() as LS_CONSTANT_SEGMENT_LOG2 where that is not 0, and
-// may be with the bits of ls_scene_features() as constants 1 and on, which leaves out what the scene does not use.
+// The pipeline must be specialized with ls_scene_segment_log2() as LS_CONSTANT_SEGMENT_LOG2 where
+// that is not 0, and may be with the bits of ls_scene_features() as constants 1 and on, which
+// leaves out what the scene does not use.
 //
 // The walk through the cells is walk.glsl, the triangle test triangle.glsl.
 

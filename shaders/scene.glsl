@@ -21,8 +21,8 @@ layout(constant_id = 6) const uint LS_HAS_MASKS = 1;
 layout(constant_id = 7) const uint LS_HAS_EXACT_MASKS = 1;
 layout(constant_id = 8) const uint LS_HAS_SCENE_SHAFTS = 1;
 
-// Lanes first do the quick part of all tests that wait, then the rest of those that are left, together. CPUs, where
-// loading a triangle twice costs more than waiting, do not.
+// Lanes first do the quick part of all tests that wait, then the rest of those that are left,
+// together. CPUs, where loading a triangle twice costs more than waiting, do not.
 layout(constant_id = LS_CONSTANT_DEFERS) const uint LS_DEFERS = 1;
 
 // Where an object's part of an array begins. A file without a top level has one object, whose parts
@@ -48,13 +48,14 @@ LS_ARRAY(LsVoxelArray, LsVoxel, 16);
 LS_ARRAY(LsWordArray, uint, 4);
 LS_ARRAY(LsAddressArray, uvec2, 8);
 
-// Records of the arrays that grow with triangles and cells: TRIANGLES, BLOCKS, CELL_BLOCKS, SUBGRIDS, VOXELS,
-// REFERENCES, LEAF_NODES and SHAFTS are read through these alone. `array` is the address in LsTraceScene; macros
-// may name an argument twice. As functions they cost the second pass 5 to 12 % of its speed on an NVIDIA
-// H100 although nothing is cut (docs/benchmarks.md, "Large input").
+// Records of the arrays that grow with triangles and cells: TRIANGLES, BLOCKS, CELL_BLOCKS,
+// SUBGRIDS, VOXELS, REFERENCES, LEAF_NODES and SHAFTS are read through these alone. `array` is the
+// address in LsTraceScene; macros may name an argument twice. As functions they cost the second
+// pass 5 to 12 % of its speed on an NVIDIA H100 although nothing is cut (docs/benchmarks.md, "Large
+// input").
 
-// The address of the segment that record `index` lies in, and the record's number there. Segments hold as many
-// records as if one took 2^record_log2 bytes.
+// The address of the segment that record `index` lies in, and the record's number there. Segments
+// hold as many records as if one took 2^record_log2 bytes.
 #define LS_SEGMENT(array, index, record_log2) \
     (LS_SEGMENT_LOG2 == 0u ? (array)          \
                            : LsAddressArray(array).at[(index) >> (LS_SEGMENT_LOG2 - record_log2)])
@@ -72,7 +73,8 @@ LS_ARRAY(LsAddressArray, uvec2, 8);
 #define LS_LOAD_CELL(array, block, cell) \
     LsWordArray(LS_SEGMENT(array, block, 8u)).at[LS_IN_SEGMENT(block, 8u) * LS_BLOCK_CELLS + (cell)]
 
-// The segment of triangle `index`, which becomes its number there. Of a triangle hardly anyone reads all.
+// The segment of triangle `index`, which becomes its number there. Of a triangle hardly anyone
+// reads all.
 LsTriangleArray ls_find_triangle(uvec2 array, inout uint index)
 {
     LsTriangleArray segment = LsTriangleArray(LS_SEGMENT(array, index, 6u)); // 48 bytes each

@@ -1,25 +1,27 @@
-// walk.glsl - the way of a ray through the cells of an object's grid, and the shaft that a voxel is crossed by.
+// walk.glsl - the way of a ray through the cells of an object's grid, and the shaft that a voxel is
+// crossed by.
 //
-// Cells are walked by whole numbers alone; a point on the ray only picks among the cells that an empty
-// cube or a voxel leaves open. The s and the axis by which a cell is left are those by which the
-// next is entered, so the intervals tile the ray. Planes of cells are whole numbers times a power
-// of two, exact in float. design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A. Woo
-// 1987; exactness: SPEC 7.5.
+// Cells are walked by whole numbers alone; a point on the ray only picks among the cells that an
+// empty cube or a voxel leaves open. The s and the axis by which a cell is left are those by which
+// the next is entered, so the intervals tile the ray. Planes of cells are whole numbers times a
+// power of two, exact in float. design: F.-L. Schröder 2017, sections 4 and 7; J. Amanatides, A.
+// Woo 1987; exactness: SPEC 7.5.
 //
-// Space is mirrored so that the ray falls along no axis: -x for x and cell ~c for cell c, both exact. What
-// lies ahead is then always at the greater coordinate. J. Revelles et al., "An Efficient Parametric Algorithm
-// for Octree Traversal", WSCG 2000, mirror so too.
+// Space is mirrored so that the ray falls along no axis: -x for x and cell ~c for cell c, both
+// exact. What lies ahead is then always at the greater coordinate. J. Revelles et al., "An
+// Efficient Parametric Algorithm for Octree Traversal", WSCG 2000, mirror so too.
 //
-// Where a grid has scene shafts, a ray passes the intervals of its way that are empty in one step (thesis, 13.1). It goes on
-// behind them as a ray does that starts there; docs/exactness.md tells why no hit is lost.
+// Where a grid has scene shafts, a ray passes the intervals of its way that are empty in one step
+// (thesis, 13.1). It goes on behind them as a ray does that starts there; docs/exactness.md tells
+// why no hit is lost.
 
 #ifndef LS_WALK_GLSL
 #define LS_WALK_GLSL
 
 #include "triangle.glsl"
 
-// A grid: of LsObject what walking needs, and where the object's parts of the arrays begin. Loaded once a ray,
-// or constant in a kernel for scenes of one grid.
+// A grid: of LsObject what walking needs, and where the object's parts of the arrays begin. Loaded
+// once a ray, or constant in a kernel for scenes of one grid.
 struct LsGrid
 {
     vec3 lower; // object space
@@ -93,9 +95,9 @@ uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
     return uint(on_face.x) * patches + uint(on_face.y);
 }
 
-// The number of the shaft through which a ray crosses a box: it enters at `point_in` by the near face of
-// axis_in and leaves at `point_out` by the far face of axis_out, points in the box's coordinates. SPEC chapter 6.
-// `forward`: the ray goes from the shaft's first patch to its second.
+// The number of the shaft through which a ray crosses a box: it enters at `point_in` by the near
+// face of axis_in and leaves at `point_out` by the far face of axis_out, points in the box's
+// coordinates. SPEC chapter 6. `forward`: the ray goes from the shaft's first patch to its second.
 uint ls_shaft_number(uint patches, uint mirror, uint axis_in, vec3 point_in, uint axis_out,
                      vec3 point_out, out bool forward)
 {
@@ -112,8 +114,8 @@ uint ls_shaft_number(uint patches, uint mirror, uint axis_in, vec3 point_in, uin
     return (pair * patches * patches + patch_a) * patches * patches + patch_b;
 }
 
-// Reads which intervals of the way from s_enter to s_leave are filled: those of the scene shaft from face to face
-// of the whole grid.
+// Reads which intervals of the way from s_enter to s_leave are filled: those of the scene shaft
+// from face to face of the whole grid.
 void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_in, float s_leave,
                        uint axis_out)
 {
@@ -131,7 +133,8 @@ void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_
     ls_work.y++;
 }
 
-// Goes on to the next run of filled intervals that does not lie behind; what is before it is empty. False if there is none.
+// Goes on to the next run of filled intervals that does not lie behind; what is before it is empty.
+// False if there is none.
 bool ls_walk_jump(LsGrid grid, inout LsWalk walk)
 {
     bool behind = true;
@@ -175,8 +178,8 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     walk.first_reference = 0u;
     walk.mask = 0u;
 
-    // A ray that stands still along an axis must stand inside the grid, and truly before its border: then the
-    // distance to a plane ahead is never 0 times infinity.
+    // A ray that stands still along an axis must stand inside the grid, and truly before its
+    // border: then the distance to a plane ahead is never 0 times infinity.
     if (ls_max_component(mix(vec3(0.0), max(-origin, origin - border), still)) > 0.0)
     {
         return false;
@@ -214,8 +217,8 @@ bool ls_walk_begin(LsGrid grid, LsLocalRay ray, out LsWalk walk)
     return meets;
 }
 
-// Whether the ray has left the grid, or nothing ahead can be nearer than its best hit: what lies beyond has
-// a greater s, compared with s0 added, as hits are.
+// Whether the ray has left the grid, or nothing ahead can be nearer than its best hit: what lies
+// beyond has a greater s, compared with s0 added, as hits are.
 bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
 {
     precise float s_end = walk.s + ray.s0;
@@ -224,8 +227,8 @@ bool ls_walk_is_over(LsGrid grid, LsLocalRay ray, LsWalk walk)
     return ray.smax < s_end || (outside && (LS_HAS_SUBGRIDS == 0u || walk.level == 0u));
 }
 
-// The mask of the shaft through which the ray crosses a voxel, as ls_shaft_number takes it. Bits from the voxel's
-// reference count on are those of other shafts.
+// The mask of the shaft through which the ray crosses a voxel, as ls_shaft_number takes it. Bits
+// from the voxel's reference count on are those of other shafts.
 uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_in, vec3 point_in,
                    uint axis_out, vec3 point_out)
 {
@@ -247,8 +250,8 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
     return mask;
 }
 
-// Goes on in a voxel's BVH to the next leaf that the ray meets, and asks for its triangles. False if there is
-// none.
+// Goes on in a voxel's BVH to the next leaf that the ray meets, and asks for its triangles. False
+// if there is none.
 bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
 {
     uint first_node = grid.first_leaf_node + voxel.table;
@@ -277,8 +280,8 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     return false;
 }
 
-// One cell, or one leaf of a BVH: what of it is to be tested is in the walk afterwards, which then stands before
-// the next.
+// One cell, or one leaf of a BVH: what of it is to be tested is in the walk afterwards, which then
+// stands before the next.
 void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
 {
     ivec3 cell = walk.cell;

@@ -16,8 +16,7 @@
 // clang-format on
 
 #include "ls_write.h"
-#include "mask_layout.h"
-#include "scene_shaft_layout.h"
+#include "shaft_layout.h"
 
 #define LS_FIXTURE_TRIANGLES 43 // 2 in a list, 40 in a grid, 1 in a grid
 #define LS_FIXTURE_VOXELS 13

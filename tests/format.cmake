@@ -1,5 +1,5 @@
 # The file format: reading, writing, checking, layouts, and the rules between folders.
-add_library(ls_file_fixture STATIC file_fixture.c mask_layout.c scene_shaft_layout.c)
+add_library(ls_file_fixture STATIC file_fixture.c shaft_layout.c)
 target_link_libraries(ls_file_fixture PUBLIC ls::format_write PkgConfig::CMOCKA PRIVATE ls_options)
 target_compile_definitions(ls_file_fixture PRIVATE LS_BINARY_DIR="${PROJECT_BINARY_DIR}")
 

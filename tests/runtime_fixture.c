@@ -39,6 +39,12 @@ int close_fixture(void)
     return rmdir(folder);
 }
 
+void open_small_file(LsSmallScene id, const char* name, LsMapping* mapping, LsFile* file)
+{
+    assert_int_equal(ls_mapping_open(mapping, paths[id], NULL), LS_OK);
+    assert_int_equal(ls_file_open(file, mapping->bytes, mapping->size, name, NULL), LS_OK);
+}
+
 LsRay make_ray(LsVec3 origin, LsVec3 direction)
 {
     return (LsRay){.origin = origin, .direction = direction, .tmax = INFINITY};

@@ -13,6 +13,9 @@ extern char paths[LS_SMALL_COUNT][64]; // of the scenes in it
 void open_fixture(void);
 int close_fixture(void); // 0: done
 
+// Maps and opens the file of a scene, under a name for messages.
+void open_small_file(LsSmallScene id, const char* name, LsMapping* mapping, LsFile* file);
+
 LsRay make_ray(LsVec3 origin, LsVec3 direction);
 
 // Down onto (x,y) of the plane z = 0, from z = 1.

@@ -105,10 +105,10 @@ static void test_edits_of_exact_masks(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsShaftLayout exact = ls_mask_layout(&fixture.desc, true);
     const size_t count = sizeof(exact_cases) / sizeof(exact_cases[0]);
     assert_int_equal(count_failures(&exact.desc, exact_cases, count, "exact case"), 0);
-    ls_mask_layout_destroy(&exact);
+    ls_shaft_layout_destroy(&exact);
 }
 
 static void test_edits_of_scene_shafts(void** state)
@@ -116,10 +116,10 @@ static void test_edits_of_scene_shafts(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, 1);
+    LsShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, 1);
     const size_t count = sizeof(scene_cases) / sizeof(scene_cases[0]);
     assert_int_equal(count_failures(&scene.desc, scene_cases, count, "scene case"), 0);
-    ls_scene_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&scene);
 }
 
 // R2.13 and R3.8: the same edit, the hash left as it was.

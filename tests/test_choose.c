@@ -1,4 +1,5 @@
-// Cells and N by expected work: the model against lines that are walked, and choices within a memory.
+// Cells and N by expected work: the model against lines that are walked, and choices within a
+// memory.
 
 #include "baked.h"
 #include "cost_model.h"
@@ -86,6 +87,23 @@ static uint32_t cell_in_block(const uint32_t cell[3])
     return (cell[0] & 3) + 4 * (cell[1] & 3) + 16 * (cell[2] & 3);
 }
 
+// Boxes of a voxel's BVH that a line looks at between first and last.
+static double count_boxes(const LsBvhNode* nodes, const Line* line, double first, double last)
+{
+    double boxes = 0.0;
+    uint32_t i = 0;
+    while (i < nodes[0].escape)
+    {
+        const LsBvhNode* node = &nodes[i];
+        const double lower[3] = {node->lower.x, node->lower.y, node->lower.z};
+        const double upper[3] = {node->upper.x, node->upper.y, node->upper.z};
+        double enter = first, leave = last;
+        boxes += 1.0;
+        i = node->leaf == 0 && clip(line, lower, upper, &enter, &leave) ? i + 1 : node->escape;
+    }
+    return boxes;
+}
+
 // Steps of a line between first and last. `block` is a sub-grid's, or LS_NONE for the grid itself.
 static double count_steps(const LsFile* file, const Level* level, uint32_t block, const Line* line,
                           double first, double last)
@@ -136,6 +154,10 @@ static double count_steps(const LsFile* file, const Level* level, uint32_t block
                                  .cells = {4, 4, 4}};
             steps += 1.0 + count_steps(file, &below, voxel->table, line, fmax(enter, first), leave);
         }
+        if (is_in && (word & 15) == 0 && (voxel->shape & 255) == LS_VOXEL_BVH)
+        {
+            steps += count_boxes(file->leaf_nodes + voxel->table, line, enter, leave);
+        }
         t = is_in ? fmax(leave, t + nudge) : t + nudge;
     }
     return steps;
@@ -169,7 +191,6 @@ static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
     const double walked = sum / count, expected = baked.report.steps_per_line;
     print_message("%s %u: expected %.3f steps of a line, walked %.3f\n", name, grid, expected,
                   walked);
-    assert_int_equal(baked.report.voxel_kind_count[LS_VOXEL_BVH], 0);
     assert_true(fabs(expected / walked - 1.0) < 0.25);
     ls_baked_close(&baked);
 }
@@ -182,6 +203,17 @@ static void steps_are_those_of_lines(void** state)
     check_steps(&bunny, "steps", 64);
     check_steps(&bunny, "steps", 200);
     ls_test_mesh_destroy(&bunny);
+    // A thin box, whose blocks mostly lie across its border.
+    LsTestMesh ring = ls_test_mesh_make(LS_TEST_MESH_TEAPOT);
+    for (uint32_t i = 0; i < ring.vertex_count; i++)
+    {
+        ring.positions[3 * i + 1] *= 0.01f;
+    }
+    check_steps(&ring, "thin", 100);
+    ls_test_mesh_destroy(&ring);
+    LsTestMesh hub = ls_test_mesh_make(LS_TEST_MESH_HUB); // BVHs
+    check_steps(&hub, "hub", 12);
+    ls_test_mesh_destroy(&hub);
 }
 
 // ---- Memory -------------------------------------------------------------------------------------------
@@ -229,13 +261,79 @@ static void memory_is_kept_and_used(void** state)
             assert_true(traced <= baked.report.memory_bytes);
             assert_true(traced + 256 >= baked.report.memory_bytes);
             assert_true(baked.report.memory_bytes <= memory);
-            // Double the memory, of which at least a part is used as long as masks still grow.
-            assert_true(work <= 1.01 * before);
-            assert_true(before < INFINITY || traced > memory * 7 / 10);
+            // Of all that is given; and twice as much does not trace slower.
+            assert_true(traced >= memory / 100 * 95);
+            assert_true(work <= before);
             before = work;
             ls_baked_close(&baked);
         }
     }
+    ls_test_mesh_destroy(&mesh);
+}
+
+// No grid of a search by hand does better by the model within the same memory; on a GPU:
+// docs/cost-model.md.
+static void choices_beat_a_search(void** state)
+{
+    (void)state;
+    static const uint32_t grids[] = {16, 22, 31, 44, 62};
+    static const uint64_t memories[] = {700 << 10, 2 << 20, 8 << 20};
+    LsTestMesh mesh = ls_test_mesh_make(LS_TEST_MESH_ELEPHANT);
+    for (size_t m = 0; m < sizeof memories / sizeof *memories; m++)
+    {
+        LsBaked baked;
+        ls_baked_open_desc(&baked, &mesh, "search", LS_TEST_ALONE,
+                           &(LsBakeDesc){.memory = memories[m]});
+        const double chosen = count_work(&baked.report);
+        ls_baked_close(&baked);
+        for (size_t g = 0; g < sizeof grids / sizeof *grids; g++)
+        {
+            for (uint32_t patches = 1; patches <= 5; patches++)
+            {
+                ls_baked_open_desc(&baked, &mesh, "search", LS_TEST_ALONE,
+                                   &(LsBakeDesc){.grid = grids[g], .patches = patches});
+                if (baked.report.memory_bytes <= memories[m])
+                {
+                    assert_true(chosen <= 1.02 * count_work(&baked.report));
+                }
+                ls_baked_close(&baked);
+            }
+        }
+    }
+    ls_test_mesh_destroy(&mesh);
+}
+
+// What is given beside a memory stays: the grid, and the most N.
+static void what_is_given_stays(void** state)
+{
+    (void)state;
+    LsTestMesh mesh = ls_test_mesh_make(LS_TEST_MESH_ELEPHANT);
+    LsBaked baked;
+    ls_baked_open_desc(&baked, &mesh, "given", LS_TEST_ALONE,
+                       &(LsBakeDesc){.grid = 25, .memory = 2 << 20});
+    assert_int_equal(baked.report.least_grid, 25);
+    assert_int_equal(baked.report.most_grid, 25);
+    assert_true(baked.report.memory_bytes <= 2 << 20);
+    ls_baked_close(&baked);
+    static const uint32_t most[] = {1, 2, 8};
+    for (int i = 0; i < 3; i++)
+    {
+        ls_baked_open_desc(
+            &baked, &mesh, "given", LS_TEST_ALONE,
+            &(LsBakeDesc){.memory = 64 << 20, .choose_patches = true, .patches = most[i]});
+        assert_true(baked.report.patches_count[most[i]] > 0);
+        for (uint32_t n = most[i] + 1; n <= LS_MAX_PATCHES; n++)
+        {
+            assert_int_equal(baked.report.patches_count[n], 0);
+        }
+        ls_baked_close(&baked);
+    }
+    // Scene shafts are part of the memory.
+    ls_baked_open_desc(&baked, &mesh, "given", LS_TEST_ALONE,
+                       &(LsBakeDesc){.memory = 2 << 20, .scene_patches = 8});
+    assert_true(baked.report.memory_bytes <= 2 << 20);
+    assert_true(baked.report.chunk_bytes[LS_CHUNK_SHAFTS] > 4 * 15 * 8 * 8 * 8 * 8);
+    ls_baked_close(&baked);
     ls_test_mesh_destroy(&mesh);
 }
 
@@ -265,9 +363,9 @@ static void threads_choose_alike(void** state)
 
 // ---- Refused ------------------------------------------------------------------------------------------
 
-static void check_refused(LsBakeDesc desc, LsMessage message, const char* named)
+static void check_refused(const char* path, LsBakeDesc desc, LsMessage message, const char* named)
 {
-    const LsBakeInput input = {.path = LS_SOURCE_DIR "/scenes/bunny.ply"};
+    const LsBakeInput input = {.path = path};
     desc.inputs = &input;
     desc.input_count = 1;
     desc.output = LS_BINARY_DIR "/refused.lspace";
@@ -280,22 +378,30 @@ static void check_refused(LsBakeDesc desc, LsMessage message, const char* named)
 static void too_little_is_refused(void** state)
 {
     (void)state;
+    const char* bunny = LS_SOURCE_DIR "/scenes/bunny.ply";
+    const char* lists = LS_SOURCE_DIR "/scenes/cornell_blocks.gltf"; // no object has a grid
     // LS_MESSAGE_LIMIT_BUDGET: 69,666 triangles of 48 bytes alone.
-    check_refused((LsBakeDesc){.memory = 3 << 20}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
-    check_refused((LsBakeDesc){.memory = 1}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
-    check_refused((LsBakeDesc){.memory = 64 << 20, .patches = 3}, LS_MESSAGE_USAGE_CHOICE,
-                  "patches");
-    check_refused((LsBakeDesc){.memory = 64 << 20, .choose_patches = true, .byte_price = 0.1},
+    check_refused(bunny, (LsBakeDesc){.memory = 3 << 20}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
+    check_refused(bunny, (LsBakeDesc){.memory = 1}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
+    check_refused(lists, (LsBakeDesc){.memory = 1}, LS_MESSAGE_LIMIT_BUDGET, "--memory");
+    check_refused(bunny, (LsBakeDesc){.memory = 8 << 20, .scene_patches = 32},
+                  LS_MESSAGE_LIMIT_BUDGET, "--scene-shafts");
+    check_refused(bunny, (LsBakeDesc){.memory = 64 << 20, .patches = 3}, LS_MESSAGE_USAGE_CHOICE,
+                  "patches 3");
+    check_refused(bunny,
+                  (LsBakeDesc){.memory = 64 << 20, .choose_patches = true, .byte_price = 0.1},
                   LS_MESSAGE_USAGE_CHOICE, "byte_price");
+    check_refused(bunny, (LsBakeDesc){.byte_price = 0.1}, LS_MESSAGE_USAGE_CHOICE, "byte_price");
+    check_refused(bunny, (LsBakeDesc){.grid = 8, .byte_price = 0.1}, LS_MESSAGE_USAGE_CHOICE,
+                  "byte_price");
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_are_those_of_lines),
-        cmocka_unit_test(memory_is_kept_and_used),
-        cmocka_unit_test(threads_choose_alike),
-        cmocka_unit_test(too_little_is_refused),
+        cmocka_unit_test(steps_are_those_of_lines), cmocka_unit_test(memory_is_kept_and_used),
+        cmocka_unit_test(choices_beat_a_search),    cmocka_unit_test(what_is_given_stays),
+        cmocka_unit_test(threads_choose_alike),     cmocka_unit_test(too_little_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

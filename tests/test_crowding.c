@@ -1,4 +1,5 @@
-// Geometry that grids fear: how many references an object may hold at most, whatever grid is asked for.
+// Geometry that grids fear: how many references an object may hold at most, whatever grid is asked
+// for.
 
 #include "baked.h"
 #include "hard_meshes.h"

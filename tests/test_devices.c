@@ -157,9 +157,7 @@ static void test_looks_stay_in_the_file(void** state)
     LsMapping mapping;
     LsFile file;
     LsError error;
-    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LIST], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error),
-                     LS_OK);
+    open_small_file(LS_SMALL_LIST, "small.lspace", &mapping, &file);
     LsFileDesc desc = ls_file_desc(&file);
     const LsSurface surface = {.ior = 1.5f,
                                .alpha = 1,
@@ -273,8 +271,8 @@ static void test_devices_that_lack_something(void** state)
                           LS_MESSAGE_VULKAN_FUNCTION, "vkCmdDispatch");
 }
 
-// Two passes take a group of so many lanes for one subgroup, which only devices can promise whose subgroups are
-// all of one size.
+// Two passes take a group of so many lanes for one subgroup, which only devices can promise whose
+// subgroups are all of one size.
 static uint64_t count_scratch_bytes(LsFakeVulkan fake)
 {
     LsGpu faked = gpu;
@@ -344,9 +342,7 @@ static void check_scene_refused(LsFakeVulkan fake, LsMessage message, const char
     LsMapping mapping;
     LsFile file;
     LsError error;
-    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LARGE], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error),
-                     LS_OK);
+    open_small_file(LS_SMALL_LARGE, "large.lspace", &mapping, &file);
     LsScene* scene;
     assert_int_equal(ls_scene_create(faked.context, &file, "large.lspace", &scene, &error),
                      message / 100);
@@ -387,9 +383,7 @@ static void test_brute_force_beyond_the_loops(void** state)
     LsMapping mapping;
     LsFile file;
     LsError error;
-    assert_int_equal(ls_mapping_open(&mapping, paths[LS_SMALL_LARGE], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "large.lspace", &error),
-                     LS_OK);
+    open_small_file(LS_SMALL_LARGE, "large.lspace", &mapping, &file);
     LsFileDesc desc = ls_file_desc(&file);
     const LsInstance instances[2] = {file.instances[0], file.instances[0]};
     const float side = LS_LARGE_SIDE;
@@ -469,9 +463,7 @@ static uint32_t fail_each_call(LsSmallScene id, uint64_t segment_bytes, bool sep
     LsMapping mapping;
     LsFile file;
     LsError error;
-    assert_int_equal(ls_mapping_open(&mapping, paths[id], &error), LS_OK);
-    assert_int_equal(ls_file_open(&file, mapping.bytes, mapping.size, "small.lspace", &error),
-                     LS_OK);
+    open_small_file(id, "small.lspace", &mapping, &file);
     uint32_t n = 0;
     for (;; n++)
     {

@@ -1,5 +1,5 @@
-// Octant distances against their definition: of every empty cell the largest number of steps, along all axes at
-// once, to a filled cell of the octant.
+// Octant distances against their definition: of every empty cell the largest number of steps, along
+// all axes at once, to a filled cell of the octant.
 
 #include "distances.h"
 #include "test_random.h"

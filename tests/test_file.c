@@ -141,7 +141,7 @@ static void test_every_bit_flip_is_caught(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsShaftLayout exact = ls_mask_layout(&fixture.desc, true);
     const LsFileDesc* const descs[] = {&fixture.desc, &exact.desc};
     for (int i = 0; i < 2; ++i)
     {
@@ -149,7 +149,7 @@ static void test_every_bit_flip_is_caught(void** state)
         expect_flips_caught(&bytes);
         ls_fixture_free(&bytes);
     }
-    ls_mask_layout_destroy(&exact);
+    ls_shaft_layout_destroy(&exact);
 }
 
 // ---- Mapping ------------------------------------------------------------------------------------

@@ -382,12 +382,12 @@ static void test_garbage(void** state)
     LsFixture fixture;
     ls_fixture_fill(&fixture);
     expect_garbage_is_safe(&fixture.desc);
-    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsShaftLayout exact = ls_mask_layout(&fixture.desc, true);
     expect_garbage_is_safe(&exact.desc);
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
+    LsShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
     expect_garbage_is_safe(&scene.desc);
-    ls_scene_shaft_layout_destroy(&scene);
-    ls_mask_layout_destroy(&exact);
+    ls_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&exact);
 }
 
 // Random bytes alone, and behind a true magic.

@@ -193,11 +193,11 @@ static void test_exact_masks(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsShaftLayout exact = ls_mask_layout(&fixture.desc, true);
     char path[LS_SCRATCH_PATH + 32];
     snprintf(path, sizeof(path), "%s/exact.lspace", directory);
     assert_int_equal(ls_file_write(&exact.desc, path, NULL), LS_OK);
-    ls_mask_layout_destroy(&exact);
+    ls_shaft_layout_destroy(&exact);
     Run run = run_lsinfo(NULL, path, NULL, NULL);
     assert_int_equal(run.code, 0);
     assert_non_null(strstr(run.out, ".lspace 0.3, for readers from 0.3 on, "));
@@ -215,11 +215,11 @@ static void test_scene_shafts(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, 1);
+    LsShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, 1);
     char path[LS_SCRATCH_PATH + 32];
     snprintf(path, sizeof(path), "%s/shafts.lspace", directory);
     assert_int_equal(ls_file_write(&scene.desc, path, NULL), LS_OK);
-    ls_scene_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&scene);
     Run run = run_lsinfo(NULL, path, NULL, NULL);
     assert_int_equal(run.code, 0);
     assert_non_null(strstr(run.out, ".lspace 0.4, for readers from 0.4 on, "));

@@ -47,7 +47,7 @@ static void test_layouts_answer_alike(void** state)
     assert_true((baked.file.header->required_features & LS_FEATURE_EXACT_MASKS) != 0);
 
     const LsFileDesc desc = ls_file_desc(&baked.file);
-    LsMaskLayout padded = ls_mask_layout(&desc, false);
+    LsShaftLayout padded = ls_mask_layout(&desc, false);
     char directory[LS_SCRATCH_PATH], path[LS_SCRATCH_PATH + 32];
     ls_scratch_create(directory);
     snprintf(path, sizeof path, "%s/padded.lspace", directory);
@@ -77,7 +77,7 @@ static void test_layouts_answer_alike(void** state)
     free(exact_hits);
     free(padded_hits);
     ls_ray_set_destroy(&set);
-    ls_mask_layout_destroy(&padded);
+    ls_shaft_layout_destroy(&padded);
     ls_scratch_remove(directory);
     ls_baked_close(&baked);
     ls_test_mesh_destroy(&mesh);

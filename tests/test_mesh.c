@@ -634,6 +634,8 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
     LsBakedObject* objects = calloc(input->mesh_count, sizeof *objects);
     assert_true(meshes != NULL && objects != NULL);
     LsError error = {0};
+    LsShaftWeights weights[LS_MAX_PATCHES + 1];
+    assert_true(ls_shaft_weights_create_all(weights, 1, 1));
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
         LsMeshFindings findings;
@@ -647,13 +649,14 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
                 &error);
             expect_ok(ls_voxels_order_triangles(&objects[i].voxels, &meshes[i], 1, &error), &error);
             expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i],
-                                       &(LsPatchesChoice){.patches = 1}, 1, NULL, &error),
+                                       &(LsPatchesChoice){.patches = 1}, weights, 1, NULL, &error),
                       &error);
             objects[i].has_grid = true;
         }
     }
     expect_ok(ls_world_create(world, input, meshes, &error), &error);
     expect_ok(ls_pack_create(pack, input, meshes, objects, world, 1, &error), &error);
+    ls_shaft_weights_destroy_all(weights);
     free(meshes);
     free(objects);
 }

@@ -459,12 +459,12 @@ static void test_golden_files(void** state)
     (void)state;
     LsFixture fixture;
     ls_fixture_fill(&fixture);
-    LsMaskLayout exact = ls_mask_layout(&fixture.desc, true);
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
+    LsShaftLayout exact = ls_mask_layout(&fixture.desc, true);
+    LsShaftLayout scene = ls_scene_shaft_layout(&exact.desc, 2);
     expect_golden(GOLDEN "4.lspace", &scene.desc, 4);
-    ls_scene_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&scene);
     expect_golden(GOLDEN "3.lspace", &exact.desc, 3);
-    ls_mask_layout_destroy(&exact);
+    ls_shaft_layout_destroy(&exact);
     expect_golden(GOLDEN "2.lspace", &fixture.desc, 2);
     strip_fixture(&fixture);
     expect_golden(GOLDEN "1.lspace", &fixture.desc, 1);
@@ -495,18 +495,18 @@ static void test_versions(void** state)
         ls_fixture_free(&bytes);
         expect_legal_trip(&descs[i]);
     }
-    LsMaskLayout exact = ls_mask_layout(&plain, true);
+    LsShaftLayout exact = ls_mask_layout(&plain, true);
     LsFixtureBytes bytes = ls_fixture_bytes(&exact.desc);
     expect_version(&bytes, 3, 3);
     ls_fixture_free(&bytes);
     expect_legal_trip(&exact.desc);
-    ls_mask_layout_destroy(&exact);
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&plain, 3);
+    ls_shaft_layout_destroy(&exact);
+    LsShaftLayout scene = ls_scene_shaft_layout(&plain, 3);
     bytes = ls_fixture_bytes(&scene.desc);
     expect_version(&bytes, 4, 4);
     ls_fixture_free(&bytes);
     expect_legal_trip(&scene.desc);
-    ls_scene_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&scene);
 }
 
 // The most scene shafts there are, of a grid without tables: the file has no masks then.
@@ -526,7 +526,7 @@ static void test_most_scene_shafts(void** state)
     }
     fixture.objects[1].shaft_word_count = fixture.objects[2].first_shaft_word = 0;
     fixture.desc.SHAFTS_count = 0;
-    LsSceneShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, LS_MAX_SCENE_PATCHES);
+    LsShaftLayout scene = ls_scene_shaft_layout(&fixture.desc, LS_MAX_SCENE_PATCHES);
     LsFixtureBytes bytes = ls_fixture_bytes(&scene.desc);
     LsFile file;
     open_file(&file, &bytes);
@@ -535,7 +535,7 @@ static void test_most_scene_shafts(void** state)
     assert_int_equal(file.header->required_features & LS_FEATURE_MASKS, 0);
     ls_fixture_free(&bytes);
     expect_legal_trip(&scene.desc);
-    ls_scene_shaft_layout_destroy(&scene);
+    ls_shaft_layout_destroy(&scene);
 }
 
 // ---- Baked files --------------------------------------------------------------------------------

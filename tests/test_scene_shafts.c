@@ -1,5 +1,6 @@
-// test_scene_shafts.c - signatures of baked files against their definition (SPEC chapter 6): no bit is missing
-// where a way from patch to patch lies in a filled cell, and the same bytes for any number of threads.
+// test_scene_shafts.c - signatures of baked files against their definition (SPEC chapter 6): no bit
+// is missing where a way from patch to patch lies in a filled cell, and the same bytes for any
+// number of threads.
 
 #include "baked.h"
 #include "file_fixture.h"

@@ -1,5 +1,6 @@
-// test_scene_trace.c - scene shafts change no answer and save steps: each mesh baked with and without them, traced with the
-// rays of the exactness suite and with rays along the borders of patches and intervals.
+// test_scene_trace.c - scene shafts change no answer and save steps: each mesh baked with and
+// without them, traced with the rays of the exactness suite and with rays along the borders of
+// patches and intervals.
 
 #include "baked.h"
 #include "gpu.h"
@@ -59,7 +60,8 @@ static void draw_point(LsRandom* random, const LsObject* object, uint32_t patche
     }
 }
 
-// A line from face to face of the first grid, begun before it, on it, or at the end of an interval inside.
+// A line from face to face of the first grid, begun before it, on it, or at the end of an interval
+// inside.
 static LsRay make_border_ray(LsRandom* random, const LsObject* object, uint32_t patches)
 {
     double from[3], to[3], way[3], origin[3];

@@ -1,5 +1,6 @@
-// test_segments.c - arrays cut into segments give the answers of whole ones, bit for bit: hits of every method and
-// pictures. Segments of 1 KiB, the smallest there are, so that small scenes have many of each array.
+// test_segments.c - arrays cut into segments give the answers of whole ones, bit for bit: hits of
+// every method and pictures. Segments of 1 KiB, the smallest there are, so that small scenes have
+// many of each array.
 
 #include "baked.h"
 #include "gpu.h"

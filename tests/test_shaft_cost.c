@@ -2,9 +2,9 @@
 // lines, sums over masks, and the choice of N against all that could have been chosen.
 
 #include "baked.h"
+#include "cost_model.h"
 #include "linespace.h"
 #include "reference/polytope.h"
-#include "cost_model.h"
 #include "shaft_cost.h"
 #include "test_random.h"
 

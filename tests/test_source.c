@@ -2,6 +2,7 @@
 
 #define _XOPEN_SOURCE 700 // nftw
 
+#include "choose.h"
 #include "depfile.h"
 #include "ls_format.h"
 #include "ls_messages.h"
@@ -208,9 +209,7 @@ static void hash_desc(const LsBakeDesc* desc, uint8_t hash[16])
     LsSourceFiles files = {0};
     LsError error = {0};
     assert_int_equal(ls_source_files_list(&files, desc, &error), LS_OK);
-    const LsPatchesChoice choice = {.patches = desc->patches ? desc->patches : 3,
-                                    .chosen = desc->choose_patches,
-                                    .byte_price = desc->byte_price};
+    const LsPatchesChoice choice = ls_patches_choice(desc);
     assert_int_equal(ls_source_hash(&files, desc, &choice, 2, hash, &error), LS_OK);
     ls_source_files_destroy(&files);
 }
@@ -322,6 +321,13 @@ static void options_move_the_hash(void** state)
                                  {DESC, .patches = 2},
                                  {DESC, .choose_patches = true},
                                  {DESC, .choose_patches = true, .byte_price = 0.5},
+                                 {DESC, .choose_patches = true, .patches = 4},
+                                 {DESC, .choose_patches = true, .grid = 9},
+                                 {DESC, .memory = 1000},
+                                 {DESC, .memory = 1001},
+                                 {DESC, .memory = 1000, .grid = 9},
+                                 {DESC, .memory = 1000, .choose_patches = true, .patches = 4},
+                                 {DESC, .scene_patches = 1},
                                  {DESC, .no_weld = true},
                                  {DESC, .keep_degenerate = true},
                                  {DESC, .normals = LS_NORMALS_NONE},
@@ -330,10 +336,8 @@ static void options_move_the_hash(void** state)
     const LsBakeDesc still[] = {{DESC, .threads = 7},
                                 {DESC, .force = true},
                                 {DESC, .strict = true},
-                                {DESC, .patches = 3},
                                 {DESC, .output = "x", .depfile = "y"},
                                 {DESC, .max_memory = 1, .max_triangles = 1}};
-#undef DESC
     enum
     {
         HOWS = sizeof hows / sizeof *hows,
@@ -357,6 +361,19 @@ static void options_move_the_hash(void** state)
     const LsBakeInput said = {.path = how.path, .scale = 1};
     hash_inputs(&said, 1, hash);
     assert_memory_equal(hashes[0], hash, 16);
+    const LsBakeDesc same[][2] = {
+        {{DESC, .grid = 9}, {DESC, .grid = 9, .patches = 2}},
+        {{DESC, .choose_patches = true},
+         {DESC, .choose_patches = true, .patches = 5, .byte_price = 0.001}},
+        {{DESC, .memory = 1000}, {DESC, .memory = 1000, .choose_patches = true, .patches = 5}},
+    };
+    for (size_t i = 0; i < sizeof same / sizeof *same; i++)
+    {
+        hash_desc(&same[i][0], hashes[0]);
+        hash_desc(&same[i][1], hash);
+        assert_memory_equal(hashes[0], hash, 16);
+    }
+#undef DESC
 }
 
 // Several blocks, the last of a single byte; for any number of threads.

@@ -1,8 +1,8 @@
 // ls_bake.h - from scene files to one .lspace file; the whole offline side.
 //
-// ls_bake_run is the pipeline: import -> mesh -> choose -> voxels -> linespace -> pack -> write. The programs
-// are shells around it, so tests call what users run. Equal inputs and options give equal bytes,
-// for any number of threads and for any compiler.
+// ls_bake_run is the pipeline: import -> mesh -> choose -> voxels -> linespace -> pack -> write.
+// The programs are shells around it, so tests call what users run. Equal inputs and options give
+// equal bytes, for any number of threads and for any compiler.
 
 #ifndef LS_BAKE_H
 #define LS_BAKE_H
@@ -17,13 +17,13 @@ extern "C"
 {
 #endif
 
-    // Called as the bake goes on, from one thread at a time: the stage's name, and an estimate of how much of the
-    // whole bake is done, in [0,1], which never falls and is 1 at the end.
+    // Called as the bake goes on, from one thread at a time: the stage's name, and an estimate of
+    // how much of the whole bake is done, in [0,1], which never falls and is 1 at the end.
     typedef void LsProgress(void* user, const char* stage, double fraction);
 
-    // Called once for each warning, as ls_bake_run goes on: what the scene has and the file will not.
-    // `message` is an LsMessage of the 38xx, `text` names file, place and remedy and lives for the
-    // call.
+    // Called once for each warning, as ls_bake_run goes on: what the scene has and the file will
+    // not. `message` is an LsMessage of the 38xx, `text` names file, place and remedy and lives for
+    // the call.
     typedef void LsWarn(void* user, uint32_t message, const char* text);
 
     // Which axis of a file points up; the world's is +y.
@@ -34,11 +34,11 @@ extern "C"
         LS_UP_X, // (x, y, z) becomes (-y, x, z)
     } LsUpAxis;
 
-    // A scene file and its place in the bake. Zero means default, but for the path. What is done, in
-    // this order: its materials are overridden; the file's own space is turned (up) and scaled (scale)
-    // and its faces turned round (flip), in the vertices themselves; then the whole is scaled (size)
-    // and turned (turn) about the middle of the bottom of its bounding box, which goes to `at`, by a
-    // node above the file's own. Cameras and lamps go with it.
+    // A scene file and its place in the bake. Zero means default, but for the path. What is done,
+    // in this order: its materials are overridden; the file's own space is turned (up) and scaled
+    // (scale) and its faces turned round (flip), in the vertices themselves; then the whole is
+    // scaled (size) and turned (turn) about the middle of the bottom of its bounding box, which
+    // goes to `at`, by a node above the file's own. Cameras and lamps go with it.
     typedef struct LsBakeInput
     {
         const char* path; // the ending names the format
@@ -72,22 +72,26 @@ extern "C"
         const LsBakeInput* inputs; // put together, their objects numbered in order
         uint32_t input_count;
         const char* output; // .lspace file; neither it nor the depfile may be a file that is read
-        // Beside it a rule of make that names all files that were read, for build systems, written when the
-        // bake has succeeded or the output is up to date; NULL: none.
+        // Beside it a rule of make that names all files that were read, for build systems, written
+        // when the bake has succeeded or the output is up to date; NULL: none.
         const char* depfile;
-        // Cells, sub-grids and N are chosen by expected work (docs/cost-model.md) if this is given, or none of grid,
-        // patches and choose_patches. Bytes of device memory that tracing may take; 0: as many as
-        // pay, a doubling having to save a twelfth of the work.
+        // Cells and N are chosen by expected work (docs/cost-model.md) if this is given, or none of
+        // grid, patches and choose_patches; of given ones grid stays, and chosen patches are the
+        // most. Bytes that tracing may take on the device, without what shading alone reads; 0: as
+        // many as pay, a doubling having to save a twelfth of the work.
         uint64_t memory;
-        // G: cells along the longest side of an object's box, 1..4096; 0: chosen, or by triangles where only
-        // patches are given.
+        // G: cells along the longest side of an object's box, 1..4096; 0: chosen, or by triangles
+        // where only patches are given.
         uint32_t grid;
         uint32_t patches; // N: patches per voxel side, 1..16, 0: 2; if chosen the most, 1..8, 0: 5
         // By voxel: the N, or no table, of the least tests + byte_price * bytes.
         bool choose_patches;
-        double byte_price; // of tables, in triangle tests of a ray in a voxel; 0: 0.001
-        // M: each grid also gets shafts across the whole of it, between M x M patches on the faces of its box, that
-        // say which parts of their way may be filled; 1..32, 60 M^4 bytes a grid. 0: none.
+        // Of tables, in triangle tests of a ray in a voxel, for choose_patches without memory; 0:
+        // 0.001.
+        double byte_price;
+        // M: each grid also gets shafts across the whole of it, between M x M patches on the faces
+        // of its box, that say which parts of their way may be filled; 1..32, 60 M^4 bytes a grid.
+        // 0: none.
         uint32_t scene_patches;
         uint32_t threads;     // 0: all processors
         bool force;           // bake also when the output is up to date
@@ -122,8 +126,9 @@ extern "C"
             LS_BAKE_STAGE_COUNT
     } LsBakeStage;
 
-    // What the mesh stage found, of one object or all. Vertices are those after welding; an edge is a pair
-    // of them that is a side of a face. Faces without area have no edges here; duplicates have theirs.
+    // What the mesh stage found, of one object or all. Vertices are those after welding; an edge is
+    // a pair of them that is a side of a face. Faces without area have no edges here; duplicates
+    // have theirs.
     typedef struct LsMeshReport
     {
         uint64_t input_vertex_count;
@@ -131,10 +136,10 @@ extern "C"
         uint64_t face_count;       // triangles of the input, polygons fanned
         uint64_t degenerate_count; // no area, so no ray hits them
         uint64_t duplicate_count;  // the corners of an earlier face, in any order
-        // Faces that must be turned round for all neighbours, across edges of two faces, to agree; two
-        // faces of the same corners in the same order are no neighbours. Of
-        // the two ways to turn a part (faces connected across such edges) the one with fewer counts;
-        // if both are alike, that which leaves the part's first face as it is.
+        // Faces that must be turned round for all neighbours, across edges of two faces, to agree;
+        // two faces of the same corners in the same order are no neighbours. Of the two ways to
+        // turn a part (faces connected across such edges) the one with fewer counts; if both are
+        // alike, that which leaves the part's first face as it is.
         uint64_t inverted_count;
         // Parts that no turning of faces brings to agree, such as a Moebius strip. None of their
         // faces counts as inverted.
@@ -143,10 +148,10 @@ extern "C"
         uint64_t boundary_edge_count;    // of one face
         uint64_t nonmanifold_edge_count; // of three faces or more
         // Closed loops of boundary edges. At its end an edge's loop goes on round the vertex, from
-        // face to face across edges of two faces, to the boundary edge at the other end of that fan.
-        // So every loop is one boundary of the surface, were it taken apart where fans touch in a
-        // vertex: two sheets that touch so have two, two gaps that do have one. A chain that comes
-        // to an edge of three faces or more is no loop.
+        // face to face across edges of two faces, to the boundary edge at the other end of that
+        // fan. So every loop is one boundary of the surface, were it taken apart where fans touch
+        // in a vertex: two sheets that touch so have two, two gaps that do have one. A chain that
+        // comes to an edge of three faces or more is no loop.
         uint64_t hole_count;
     } LsMeshReport;
 
@@ -169,16 +174,16 @@ extern "C"
 // Examples kept of each kind of fault of an object.
 #define LS_MESH_EXAMPLES 8
 
-    // A place where a fault is. Numbers are the input's, from 0, within its object; faces are triangles, a
-    // polygon's one after the other.
+    // A place where a fault is. Numbers are the input's, from 0, within its object; faces are
+    // triangles, a polygon's one after the other.
     typedef struct LsMeshExample
     {
         LsMeshFault fault;
         uint32_t face; // the first that has the fault, or the edge
         // Of the face; of holes and non-manifold edges the two of an edge, then UINT32_MAX.
         uint32_t vertices[3];
-        // Duplicates: the first face of these corners. Holes: edges of the loop. Non-manifold edges:
-        // faces that share it. Else 0.
+        // Duplicates: the first face of these corners. Holes: edges of the loop. Non-manifold
+        // edges: faces that share it. Else 0.
         uint32_t other;
     } LsMeshExample;
 
@@ -218,7 +223,8 @@ extern "C"
         uint64_t scene_shaft_count, filled_scene_shaft_count; // across whole grids
         uint64_t patches_count[17];                           // voxels with masks by N
         double tests_per_voxel; // triangles that a line is expected to test in a voxel it crosses
-        // What a line through the box of each gridded object is expected to do there, in sum: cells it steps to, masks, triangles.
+        // What a line that meets the box of a gridded object is expected to do there: cells it
+        // steps to, masks, triangles. Objects count by their boxes' surfaces.
         double steps_per_line, lookups_per_line, tests_per_line;
         uint32_t depth;
         double max_condition;     // largest condition number of an instance's transform
@@ -228,9 +234,10 @@ extern "C"
         double stage_seconds[LS_BAKE_STAGE_COUNT];
     } LsBakeReport;
 
-    // Bakes, unless the output is up to date: a sound file whose source hash is that of the files to be
-    // read and the options. Then nothing is imported, so no warnings come. `report` may be NULL; else ls_bake_report_destroy frees what it owns, which is nothing after
-    // a failure. On failure nothing is left at desc->output but what was there before.
+    // Bakes, unless the output is up to date: a sound file whose source hash is that of the files
+    // to be read and the options. Then nothing is imported, so no warnings come. `report` may be
+    // NULL; else ls_bake_report_destroy frees what it owns, which is nothing after a failure. On
+    // failure nothing is left at desc->output but what was there before.
     LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* error);
     void ls_bake_report_destroy(LsBakeReport* report);
 

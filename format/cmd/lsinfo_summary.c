@@ -23,7 +23,7 @@ static void add_voxels(LsSummary* summary, const LsFile* file, const LsObject* o
             continue;
         }
         const uint32_t patches = voxel->shape >> 8 & 255;
-        const uint64_t shafts = 15ull * patches * patches * patches * patches;
+        const uint64_t shafts = LS_SHAFT_COUNT(patches);
         const uint32_t* table = file->shafts + object->first_shaft_word + voxel->table;
         summary->shaft_count += shafts;
         summary->filled_shaft_count += count_filled(table, shafts, ls_mask_width(voxel));
@@ -38,7 +38,7 @@ static void add_voxels(LsSummary* summary, const LsFile* file, const LsObject* o
 static void add_scene_shafts(LsSummary* summary, const LsFile* file, const LsObject* object)
 {
     const uint32_t patches = object->scene_patches;
-    const uint64_t shafts = 15ull * patches * patches * patches * patches;
+    const uint64_t shafts = LS_SHAFT_COUNT(patches);
     for (uint64_t i = 0; i < shafts; ++i)
     {
         summary->filled_scene_shaft_count += file->shafts[object->first_shaft_word + i] != 0;

@@ -208,6 +208,9 @@ extern "C"
         return log2_width == 0 ? voxel->reference_count : 1u << log2_width;
     }
 
+// Shafts between the patches of six faces of N x N: 15 N^4, of the type of `patches`.
+#define LS_SHAFT_COUNT(patches) (15u * (patches) * (patches) * (patches) * (patches))
+
     // Words of a table of `shaft_count` masks of `width` bits.
     static inline uint64_t ls_mask_words(uint64_t shaft_count, uint32_t width)
     {

@@ -138,8 +138,9 @@ LS_STRUCT(LsObject)
     uint32_t face_count; // triangles of the input, dropped ones counted: primitive < face_count
     uint32_t depth;      // deepest sub-grid level, 0 without sub-grids
     uint32_t patches;    // the N asked for; each voxel stores its own
-    // M: the faces of the grid's box are cut into M x M patches, and the part of SHAFTS begins with a word
-    // for each shaft between two of them, whose bits say which parts of its way may be filled; 0: it does not.
+    // M: the faces of the grid's box are cut into M x M patches, and the part of SHAFTS begins with
+    // a word for each shaft between two of them, whose bits say which parts of its way may be
+    // filled; 0: it does not.
     uint32_t scene_patches;
 };
 LS_SIZE(LsObject, 144);
@@ -261,9 +262,9 @@ LS_STRUCT(LsImage)
 LS_SIZE(LsImage, 16);
 
 // Where an object's attributes begin: three records a triangle, in the order of TRIANGLES and its
-// corners, or LS_NONE where the object has none. There is one such record per object, or no chunk. In
-// each chunk the objects' parts follow each other in order without gaps, an object's set 1 of TEXCOORDS
-// right behind its set 0.
+// corners, or LS_NONE where the object has none. There is one such record per object, or no chunk.
+// In each chunk the objects' parts follow each other in order without gaps, an object's set 1 of
+// TEXCOORDS right behind its set 0.
 LS_STRUCT(LsAttributes)
 {
     uint32_t first_normal;      // index into NORMALS
@@ -324,10 +325,10 @@ LS_STRUCT(LsAnimation)
 LS_SIZE(LsAnimation, 16);
 
 // One of translation, rotation, scale of one node over time. An animated node has all three in its
-// animation, in a row in that order, those that stand still with one key: parent_from_node = T * R * S
-// then needs nothing else. Within an animation nodes rise from one three to the next. In KEYS each
-// channel's times and then its values follow those of the channel before, without gaps; a channel may
-// share the times of the one right before it, and then adds values alone.
+// animation, in a row in that order, those that stand still with one key: parent_from_node = T * R
+// * S then needs nothing else. Within an animation nodes rise from one three to the next. In KEYS
+// each channel's times and then its values follow those of the channel before, without gaps; a
+// channel may share the times of the one right before it, and then adds values alone.
 LS_STRUCT(LsChannel)
 {
     uint32_t node;          // index into NODES
@@ -380,8 +381,9 @@ LS_SIZE(LsHit, 32);
 #define LS_HIT_CUT 1u
 
 // Where the arrays lie that tracing reads. An absent array has address 0 and is never read. Small
-// enough to travel as push constants beside a kernel's own. With LS_CONSTANT_SEGMENT_LOG2 the arrays from
-// triangles on, those that grow with triangles and cells, are tables of the addresses of their segments.
+// enough to travel as push constants beside a kernel's own. With LS_CONSTANT_SEGMENT_LOG2 the
+// arrays from triangles on, those that grow with triangles and cells, are tables of the addresses
+// of their segments.
 LS_STRUCT(LsTraceScene)
 {
     LsAddress objects;
@@ -429,8 +431,8 @@ LS_SIZE(LsTraceParams, 128);
 
 // ---- The two passes of scenes with one grid -----------------------------------------------------
 
-// What the first pass leaves for the second: rays that go on into the grid. Zeroed by the first pass called
-// with ray_count 0.
+// What the first pass leaves for the second: rays that go on into the grid. Zeroed by the first
+// pass called with ray_count 0.
 LS_STRUCT(LsTraceQueue)
 {
     uint32_t count;        // of rays: LsGridRay[count] follow
@@ -439,7 +441,8 @@ LS_STRUCT(LsTraceQueue)
 };
 LS_SIZE(LsTraceQueue, 64);
 
-// A ray in the space of the grid's object, its direction scaled (SPEC 7.2), tmax that of its best hit so far.
+// A ray in the space of the grid's object, its direction scaled (SPEC 7.2), tmax that of its best
+// hit so far.
 LS_STRUCT(LsGridRay)
 {
     LsVec3 origin;
@@ -473,7 +476,8 @@ LS_STRUCT(LsListParams)
 };
 LS_SIZE(LsListParams, 88);
 
-// Push constants of the second pass: the grid. The fields of LsObject that it needs are the object's.
+// Push constants of the second pass: the grid. The fields of LsObject that it needs are the
+// object's.
 LS_STRUCT(LsGridParams)
 {
     LsAddress triangles;
@@ -503,12 +507,13 @@ LS_SIZE(LsGridParams, 128);
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
 #define LS_METHOD_GRID 2u  // the same cells without shafts: tells what these are worth
-// Exact, but instead of a hit what it took: `instance` holds the cells and empty cubes walked, `object` the shafts
-// looked up, those across grids too, `primitive` the triangles tested, `material` 0, t, u, v 0.
+// Exact, but instead of a hit what it took: `instance` holds the cells and empty cubes walked,
+// `object` the shafts looked up, those across grids too, `primitive` the triangles tested,
+// `material` 0, t, u, v 0.
 #define LS_METHOD_COUNT 3u
 
-// Specialization constants of the kernels: 0 the method, from 1 on the required features in bit order,
-// and behind the room for more of them:
+// Specialization constants of the kernels: 0 the method, from 1 on the required features in bit
+// order, and behind the room for more of them:
 #define LS_CONSTANT_GROUP_SIZE 32
 #define LS_CONSTANT_DEFERS 33     // LS_DEFERS
 #define LS_CONSTANT_REFILL 34     // of the second of two passes

@@ -43,12 +43,13 @@ extern "C"
         // Both as the loader gave them; the library links no loader.
         VkInstance instance;
         PFN_vkGetInstanceProcAddr get_instance_proc_addr;
-        // Scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, and CPUs the kernels of two passes, which
-        // takes time to compile.
+        // Scenes get LS_TRACE_GRID and LS_TRACE_COUNT too, and CPUs the kernels of two passes,
+        // which takes time to compile.
         bool measures;
-        // Arrays that grow with triangles and cells are cut into segments if they are larger than so many bytes,
-        // rounded down to a power of two from 1 KiB to 1 GiB that the device can allocate; each has memory of its
-        // own, of which devices may allow no more than 4096. 0: the most.
+        // Arrays that grow with triangles and cells are cut into segments if they are larger than
+        // so many bytes, rounded down to a power of two from 1 KiB to 1 GiB that the device can
+        // allocate; each has memory of its own, of which devices may allow no more than 4096. 0:
+        // the most.
         uint64_t segment_bytes;
     } LsContextDesc;
 
@@ -70,10 +71,12 @@ extern "C"
     // Device address of the scene's LsDeviceScene: the same and what shading reads.
     VkDeviceAddress ls_scene_address(const LsScene* scene);
 
-    // Required features of the scene's file (LS_FEATURE_*), which are specialization constants of shaders on it.
+    // Required features of the scene's file (LS_FEATURE_*), which are specialization constants of
+    // shaders on it.
     uint64_t ls_scene_features(const LsScene* scene);
 
-    // LS_CONSTANT_SEGMENT_LOG2 of shaders on the scene: 0 if no array is cut, else the log2 of a segment's bytes.
+    // LS_CONSTANT_SEGMENT_LOG2 of shaders on the scene: 0 if no array is cut, else the log2 of a
+    // segment's bytes.
     uint32_t ls_scene_segment_log2(const LsScene* scene);
 
     // Bytes of device memory that the scene holds.
@@ -83,8 +86,8 @@ extern "C"
     {
         LS_TRACE_EXACT = LS_METHOD_EXACT, // through the Line Space
         LS_TRACE_BRUTE = LS_METHOD_BRUTE, // all triangles, same test; slow
-        // Of contexts with LsContextDesc.measures: the cells without shafts, to compare; and exact, but
-        // hits tell the work (LS_METHOD_COUNT).
+        // Of contexts with LsContextDesc.measures: the cells without shafts, to compare; and exact,
+        // but hits tell the work (LS_METHOD_COUNT).
         LS_TRACE_GRID = LS_METHOD_GRID,
         LS_TRACE_COUNT = LS_METHOD_COUNT,
     } LsMethod;
@@ -100,16 +103,16 @@ extern "C"
         uint32_t ray_count;    // at most 2^31
         uint32_t flags;        // LS_RAY_FLAG_*
         LsMethod method;
-        // Room of ls_trace_scratch_bytes for exact tracing in two passes, which is faster on scenes with
-        // one grid; 64-byte aligned. Batches that share it need a barrier between them, from compute
-        // shader reads and writes to the same. 0: one pass.
+        // Room of ls_trace_scratch_bytes for exact tracing in two passes, which is faster on scenes
+        // with one grid; 64-byte aligned. Batches that share it need a barrier between them, from
+        // compute shader reads and writes to the same. 0: one pass.
         VkDeviceAddress scratch;
         bool coherent; // rays of neighbouring numbers go similar ways; matters to speed alone
     } LsTraceDesc;
 
-    // Bytes of scratch memory that a batch of `ray_count` rays can use; 0 where the scene (more than
-    // one instance with a grid, or none) or the device (subgroups that cannot share work; CPUs, but for
-    // contexts that measure) has no use for it. It need not be initialised.
+    // Bytes of scratch memory that a batch of `ray_count` rays can use; 0 where the scene (more
+    // than one instance with a grid, or none) or the device (subgroups that cannot share work;
+    // CPUs, but for contexts that measure) has no use for it. It need not be initialised.
     uint64_t ls_trace_scratch_bytes(const LsScene* scene, uint32_t ray_count);
 
     // Records dispatches that trace the batch. The caller synchronises: rays must be visible to
