@@ -75,7 +75,7 @@ function(ls_install_package)
     if(LS_BUILD_RUNTIME)
         ls_install_pkgconfig(linespace-runtime)
         install(FILES shaders/scene.glsl shaders/triangle.glsl shaders/instance.glsl shaders/walk.glsl
-            shaders/linespace.glsl format/include/ls_layout.h
+            shaders/linespace.glsl shaders/texels.glsl format/include/ls_layout.h
             DESTINATION ${LS_INSTALL_SHADERS})
     endif()
 endfunction()

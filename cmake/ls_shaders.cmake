@@ -1,6 +1,6 @@
-# ls_add_shader(NAME SOURCE): GLSL to validated SPIR-V to a C array.
+# ls_add_shader(NAME SOURCE [DEFINE]...): GLSL to validated SPIR-V to a C array.
 #
-# Compiles SOURCE (stage by its ending, *.comp.glsl) and makes the interface library ls_shader_NAME.
+# Compiles SOURCE (stage by its ending, *.comp.glsl) with the macros DEFINE and makes the interface library ls_shader_NAME.
 # Who links it can include "NAME_spv.h", which defines `static const uint32_t NAME_spv[]`; include
 # it in one file. #include in shaders finds shaders/ and format/include/; what was included is
 # tracked.
@@ -15,6 +15,7 @@ function(ls_add_shader NAME SOURCE)
         message(FATAL_ERROR "${SOURCE}: a shader's name ends in .STAGE.glsl")
     endif()
     set(stage ${CMAKE_MATCH_1})
+    list(TRANSFORM ARGN PREPEND -D OUTPUT_VARIABLE defines)
     set(folder ${CMAKE_CURRENT_BINARY_DIR}/spirv)
     set(spirv ${folder}/${NAME}.spv)
     set(header ${folder}/${NAME}_spv.h)
@@ -23,7 +24,7 @@ function(ls_add_shader NAME SOURCE)
 
     add_custom_command(OUTPUT ${spirv}
         COMMAND ${LS_GLSLANG} -V --quiet --target-env vulkan1.2 -S ${stage}
-            -I${PROJECT_SOURCE_DIR}/shaders -I${PROJECT_SOURCE_DIR}/format/include
+            ${defines} -I${PROJECT_SOURCE_DIR}/shaders -I${PROJECT_SOURCE_DIR}/format/include
             --depfile ${spirv}.d -o ${spirv} ${SOURCE}
         COMMAND ${LS_SPIRV_VAL} --target-env vulkan1.2 ${spirv}
         DEPENDS ${SOURCE} DEPFILE ${spirv}.d

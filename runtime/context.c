@@ -176,7 +176,9 @@ static LsResult inspect_device(const LsContextDesc* desc, const InstanceFunction
     }
     context->segment_log2 = choose_segment(desc->segment_bytes, context->max_buffer_bytes);
     // llvmpipe leaves loops after so many rounds without a word (Mesa 22.3: measured).
-    context->max_loop_rounds = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE ? 65535 : UINT64_MAX;
+    const bool is_llvmpipe = driver.driverID == VK_DRIVER_ID_MESA_LLVMPIPE;
+    context->max_loop_rounds = is_llvmpipe ? 65535 : UINT64_MAX;
+    context->max_texels = is_llvmpipe ? properties.properties.limits.maxTexelBufferElements : 0;
     context->is_cpu = properties.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     context->shared_lanes = count_shared_lanes(&subgroups, &subgroup_sizes);
     context->max_group_count = properties.properties.limits.maxComputeWorkGroupCount[0];

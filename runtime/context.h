@@ -8,22 +8,30 @@
 // Every Vulkan function that the library calls on a device, without the prefix vk.
 #define LS_DEVICE_FUNCTION_LIST(X) \
     X(AllocateCommandBuffers)      \
+    X(AllocateDescriptorSets)      \
     X(AllocateMemory)              \
     X(BeginCommandBuffer)          \
     X(BindBufferMemory)            \
+    X(CmdBindDescriptorSets)       \
     X(CmdBindPipeline)             \
     X(CmdCopyBuffer)               \
     X(CmdDispatch)                 \
     X(CmdPipelineBarrier)          \
     X(CmdPushConstants)            \
     X(CreateBuffer)                \
+    X(CreateBufferView)            \
     X(CreateCommandPool)           \
     X(CreateComputePipelines)      \
+    X(CreateDescriptorPool)        \
+    X(CreateDescriptorSetLayout)   \
     X(CreateFence)                 \
     X(CreatePipelineLayout)        \
     X(CreateShaderModule)          \
     X(DestroyBuffer)               \
+    X(DestroyBufferView)           \
     X(DestroyCommandPool)          \
+    X(DestroyDescriptorPool)       \
+    X(DestroyDescriptorSetLayout)  \
     X(DestroyFence)                \
     X(DestroyPipeline)             \
     X(DestroyPipelineLayout)       \
@@ -36,6 +44,7 @@
     X(QueueSubmit)                 \
     X(QueueWaitIdle)               \
     X(ResetFences)                 \
+    X(UpdateDescriptorSets)        \
     X(WaitForFences)
 
 typedef struct LsDeviceFunctions
@@ -58,6 +67,7 @@ struct LsContext
     uint64_t max_loop_rounds;      // of one shader invocation, all loops together
     uint32_t shared_lanes;         // of a subgroup, if lanes can share work: 4, 8, 16 or 32; else 0
     bool is_cpu;                   // software
+    uint32_t max_texels;           // of a texel buffer, if these are the faster way to read; else 0
     bool measures;                 // LsContextDesc
     bool unified;                  // all memory is near the device and the host maps it
 };

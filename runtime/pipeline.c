@@ -4,7 +4,9 @@
 
 #include "trace_grid_spv.h"
 #include "trace_lists_spv.h"
+#include "trace_lockstep_spv.h"
 #include "trace_spv.h"
+#include "trace_texels_spv.h"
 
 // The method, the features in bit order, then those that have ids of their own.
 enum
@@ -15,14 +17,14 @@ enum
     DEFERS,
     REFILL,
     SEGMENT_LOG2,
+    LANE_RAYS,
     CONSTANT_COUNT
 };
 
 static const uint32_t CONSTANT_IDS[CONSTANT_COUNT] = {
-    [GROUP_SIZE] = LS_CONSTANT_GROUP_SIZE,
-    [DEFERS] = LS_CONSTANT_DEFERS,
-    [REFILL] = LS_CONSTANT_REFILL,
-    [SEGMENT_LOG2] = LS_CONSTANT_SEGMENT_LOG2,
+    [GROUP_SIZE] = LS_CONSTANT_GROUP_SIZE, [DEFERS] = LS_CONSTANT_DEFERS,
+    [REFILL] = LS_CONSTANT_REFILL,         [SEGMENT_LOG2] = LS_CONSTANT_SEGMENT_LOG2,
+    [LANE_RAYS] = LS_CONSTANT_LANE_RAYS,
 };
 static_assert(GROUP_SIZE <= LS_CONSTANT_GROUP_SIZE, "features run into the next constant");
 
@@ -34,17 +36,21 @@ typedef struct KernelDesc
     uint32_t constants[CONSTANT_COUNT];
 } KernelDesc;
 
-static LsResult create_layout(const LsContext* context, VkPipelineLayout* layout, LsError* error)
+static LsResult create_layout(const LsContext* context, const LsTraceKernelDesc* scene,
+                              VkPipelineLayout* layout, LsError* error)
 {
     VkPushConstantRange push = {
         .stageFlags = VK_SHADER_STAGE_COMPUTE_BIT,
         .size = sizeof(LsTraceParams),
     };
     static_assert(sizeof(LsListParams) <= sizeof(LsTraceParams) &&
-                      sizeof(LsGridParams) <= sizeof(LsTraceParams),
+                      sizeof(LsGridParams) <= sizeof(LsTraceParams) &&
+                      sizeof(LsLockstepParams) <= sizeof(LsTraceParams),
                   "one layout serves all kernels");
     VkPipelineLayoutCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
+        .setLayoutCount = scene->texel_layout != VK_NULL_HANDLE,
+        .pSetLayouts = &scene->texel_layout,
         .pushConstantRangeCount = 1,
         .pPushConstantRanges = &push,
     };
@@ -121,6 +127,7 @@ static KernelDesc describe(const LsContext* context, const uint32_t* code, size_
     desc.constants[REFILL] = refills;
     desc.constants[SEGMENT_LOG2] = scene->segment_log2;
     desc.constants[DEFERS] = !context->is_cpu;
+    desc.constants[LANE_RAYS] = scene->lane_rays;
     return desc;
 }
 
@@ -139,18 +146,32 @@ static LsResult create_passes(const LsContext* context, const LsTraceKernelDesc*
     return result;
 }
 
+static LsResult create_whole(const LsContext* context, const LsTraceKernelDesc* scene,
+                             LsMethod method, LsTraceKernel* kernel, LsError* error)
+{
+    const bool has_texels = scene->texel_layout != VK_NULL_HANDLE;
+    const KernelDesc desc = describe(context, has_texels ? trace_texels_spv : trace_spv,
+                                     has_texels ? sizeof(trace_texels_spv) : sizeof(trace_spv),
+                                     scene, method, LS_TRACE_GROUP_SIZE, false);
+    return create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
+}
+
 LsResult ls_trace_kernel_create(const LsContext* context, const LsTraceKernelDesc* scene,
                                 LsTraceKernel* kernel, LsError* error)
 {
     *kernel = (LsTraceKernel){0};
-    LsResult result = create_layout(context, &kernel->layout, error);
+    LsResult result = create_layout(context, scene, &kernel->layout, error);
     // All methods now rather than at their first use, which may be on any thread.
     const uint32_t method_count = context->measures ? LS_TRACE_METHOD_COUNT : LS_TRACE_GRID;
     for (uint32_t method = 0; method < method_count && result == LS_OK; method++)
     {
-        const KernelDesc desc = describe(context, trace_spv, sizeof(trace_spv), scene,
-                                         (LsMethod)method, LS_TRACE_GROUP_SIZE, false);
-        result = create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
+        result = create_whole(context, scene, (LsMethod)method, kernel, error);
+    }
+    if (result == LS_OK && scene->lane_rays != 0)
+    {
+        const KernelDesc desc = describe(context, trace_lockstep_spv, sizeof(trace_lockstep_spv),
+                                         scene, LS_TRACE_EXACT, context->shared_lanes, false);
+        result = create_pipeline(context, &desc, kernel->layout, &kernel->lockstep, error);
     }
     if (result == LS_OK && scene->has_passes)
     {
@@ -169,6 +190,7 @@ void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel)
     {
         context->vk.DestroyPipeline(context->device, kernel->whole[method], NULL);
     }
+    context->vk.DestroyPipeline(context->device, kernel->lockstep, NULL);
     context->vk.DestroyPipeline(context->device, kernel->lists, NULL);
     context->vk.DestroyPipeline(context->device, kernel->grid[0], NULL);
     context->vk.DestroyPipeline(context->device, kernel->grid[1], NULL);

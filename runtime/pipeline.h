@@ -18,6 +18,7 @@ typedef struct LsTraceKernel
 {
     VkPipelineLayout layout;
     VkPipeline whole[LS_TRACE_METHOD_COUNT]; // by LsMethod: a ray a thread, LsTraceParams
+    VkPipeline lockstep; // LsLockstepParams, in groups of context->shared_lanes; or null
     // Two passes for scenes with one grid, where the device can; else null. First LsListParams, then
     // LsGridParams in groups of context->shared_lanes.
     VkPipeline lists;
@@ -27,9 +28,11 @@ typedef struct LsTraceKernel
 // What the kernels are compiled for: what scenes do not use is not in them.
 typedef struct LsTraceKernelDesc
 {
-    uint64_t features;     // required ones of the file
-    uint32_t segment_log2; // of the scene: 0 if no array is cut
-    bool has_passes;       // the kernels of two passes as well
+    uint64_t features;                  // required ones of the file
+    uint32_t segment_log2;              // of the scene: 0 if no array is cut
+    bool has_passes;                    // the kernels of two passes as well
+    uint32_t lane_rays;                 // of the kernel in lockstep; 0: without it
+    VkDescriptorSetLayout texel_layout; // of LsTexels, which all but two passes read; or null
 } LsTraceKernelDesc;
 
 // On failure all of it is null. Errors: DEVICE_MEMORY, DEVICE_LOST, DEVICE, MEMORY.

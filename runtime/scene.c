@@ -176,23 +176,40 @@ static uint32_t find_grid_instance(const LsFile* file)
     return grid_count == 1 && instance_count == 1 ? found : LS_NONE;
 }
 
-// Whether the scene can be traced in two passes, and then what the second needs to know. Its kernel
-// takes the grid's parts of the arrays to begin at 0, so other objects with a grid, even if without
-// an instance, rule it out.
-static void prepare_passes(LsScene* scene, const LsFile* file)
+// Rays of a lane in lockstep: the more, the better, while those that cross all of the grid, at three
+// rounds a cell, get through within LS_LOCKSTEP_ROUNDS; 0 if not worth it. What loops within a step
+// of the walk is not counted among those rounds, so nothing may.
+static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const LsObject* object)
+{
+    const uint64_t loops = LS_FEATURE_SUBGRIDS | LS_FEATURE_LEAF_BVHS | LS_FEATURE_SCENE_SHAFTS;
+    if (scene->texels.set == VK_NULL_HANDLE || (scene->features & loops) != 0 ||
+        ls_file_count(file, LS_CHUNK_INSTANCES) > scene->context->shared_lanes)
+    {
+        return 0;
+    }
+    const uint32_t cells = object->cells[0] + object->cells[1] + object->cells[2];
+    const uint32_t rays = LS_LOCKSTEP_ROUNDS / (3 * cells);
+    return rays < 4 ? 0 : rays < LS_MAX_LANE_RAYS ? rays : LS_MAX_LANE_RAYS;
+}
+
+// Whether the scene can be traced in two passes or in lockstep, and then what these need to know.
+// Their kernels take the grid's parts of the arrays to begin at 0, so other objects with a grid,
+// even if without an instance, rule it out.
+static void prepare_one_grid(LsScene* scene, const LsFile* file)
 {
     const uint32_t index = find_grid_instance(file);
-    scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
     const LsContext* context = scene->context;
-    // On a CPU one pass is faster, and kernels take seconds to compile.
-    const bool is_able = context->shared_lanes != 0 && (!context->is_cpu || context->measures);
-    if (index == LS_NONE || scene->top_node_count > MAX_TOP_NODES || !is_able)
+    if (index == LS_NONE || context->shared_lanes == 0)
     {
         return;
     }
     const LsInstance* instance = &file->instances[index];
     const LsObject* object = &file->objects[instance->object];
-    scene->has_passes = true;
+    scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
+    // On a CPU one pass is faster, and kernels take seconds to compile.
+    scene->has_passes =
+        scene->top_node_count <= MAX_TOP_NODES && (!context->is_cpu || context->measures);
+    scene->lane_rays = choose_lane_rays(scene, file, object);
     scene->grid = (LsGridParams){
         .triangles = scene->trace.triangles,
         .blocks = scene->trace.blocks,
@@ -214,6 +231,31 @@ static void prepare_passes(LsScene* scene, const LsFile* file)
     };
 }
 
+// Leaves the scene without texels if an array has too many for the device, or is cut.
+static LsResult create_texels(LsScene* scene, LsError* error)
+{
+    static const LsChunk chunks[] = {
+#define CHUNK_NAME(NAME, field) LS_CHUNK_##NAME,
+        TRACE_CHUNK_LIST(CHUNK_NAME)
+#undef CHUNK_NAME
+    };
+    static_assert(sizeof(chunks) / sizeof(chunks[0]) == LS_TEXEL_ARRAY_COUNT, "one for each array");
+    LsTexelArray arrays[LS_TEXEL_ARRAY_COUNT] = {0};
+    bool fits = scene->segment_log2 == 0;
+    for (uint32_t i = 0; i < LS_TEXEL_ARRAY_COUNT; i++)
+    {
+        const LsBuffer* buffer = scene->chunks[chunks[i]].segments;
+        if (buffer)
+        {
+            const uint32_t stride = ls_chunk_info(chunks[i]).stride;
+            const bool is_words = stride == sizeof(uint32_t) || stride == sizeof(LsCellBlock);
+            arrays[i] = (LsTexelArray){.buffer = buffer, .is_words = is_words};
+            fits = fits && buffer->bytes / (is_words ? 4 : 16) <= scene->context->max_texels;
+        }
+    }
+    return fits ? ls_texels_create(scene->context, arrays, &scene->texels, error) : LS_OK;
+}
+
 static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name, LsError* error)
 {
     LsUpload upload;
@@ -225,11 +267,17 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     }
     if (result == LS_OK)
     {
-        prepare_passes(scene, file);
+        result = create_texels(scene, error);
+    }
+    if (result == LS_OK)
+    {
+        prepare_one_grid(scene, file);
         const LsTraceKernelDesc desc = {
             .features = scene->features,
             .segment_log2 = scene->segment_log2,
             .has_passes = scene->has_passes,
+            .lane_rays = scene->lane_rays,
+            .texel_layout = scene->texels.layout,
         };
         result = ls_trace_kernel_create(scene->context, &desc, &scene->kernel, error);
     }
@@ -273,6 +321,7 @@ void ls_scene_destroy(LsScene* scene)
     }
     const LsContext* context = scene->context;
     ls_trace_kernel_destroy(context, &scene->kernel);
+    ls_texels_destroy(context, &scene->texels);
     for (LsChunk chunk = 0; chunk < LS_CHUNK_COUNT; chunk++)
     {
         ls_array_destroy(context, &scene->chunks[chunk]);

@@ -5,6 +5,7 @@
 
 #include "array.h"
 #include "pipeline.h"
+#include "texels.h"
 
 struct LsScene
 {
@@ -14,10 +15,12 @@ struct LsScene
     LsArray chunks[LS_CHUNK_COUNT]; // zero for those that are absent or of no use on the device
     LsArray table;                  // LsDeviceScene
     LsTraceScene trace;
+    LsTexels texels; // zero where the kernels read buffers
     LsTraceKernel kernel;
-    LsGridParams grid; // for the second of two passes, without what belongs to a batch
+    LsGridParams grid; // of scenes with one grid, without what belongs to a batch
     uint32_t top_node_count;
-    bool has_passes; // the scene has one grid, and the device can trace it in two passes
+    bool has_passes;    // the scene has one grid, and the device can trace it in two passes
+    uint32_t lane_rays; // of a lane, if it is traced in lockstep; else 0
     uint64_t device_bytes;
     uint64_t brute_rounds; // of loops when a ray tests every triangle of every instance
 };

@@ -67,6 +67,11 @@ static void dispatch(const LsScene* scene, VkCommandBuffer commands, VkPipeline 
 {
     const LsContext* context = scene->context;
     context->vk.CmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+    if (scene->texels.set != VK_NULL_HANDLE)
+    {
+        context->vk.CmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE,
+                                          scene->kernel.layout, 0, 1, &scene->texels.set, 0, NULL);
+    }
     context->vk.CmdPushConstants(commands, scene->kernel.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0,
                                  param_bytes, params);
     context->vk.CmdDispatch(commands, (uint32_t)group_count, 1, 1);
@@ -93,6 +98,32 @@ static void record_whole(const LsScene* scene, VkCommandBuffer commands, const L
         const LsTraceParams params = slice_batch(scene, desc, first, limit);
         dispatch(scene, commands, scene->kernel.whole[desc->method], &params, sizeof params,
                  (params.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE);
+    }
+}
+
+static void record_lockstep(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)
+{
+    const uint32_t group_rays = scene->context->shared_lanes * scene->lane_rays;
+    const uint64_t limit = find_dispatch_limit(scene->context, group_rays);
+    for (uint64_t first = 0; first < desc->ray_count; first += limit)
+    {
+        const LsTraceParams slice = slice_batch(scene, desc, first, limit);
+        const LsLockstepParams params = {
+            .grid_lower = scene->grid.grid_lower,
+            .inverse_cell = scene->grid.inverse_cell,
+            .cells = {scene->grid.cells[0], scene->grid.cells[1], scene->grid.cells[2]},
+            .flags = scene->grid.flags | desc->flags,
+            .rays = slice.rays,
+            .hits = slice.hits,
+            .masks = slice.masks,
+            .ray_count = slice.ray_count,
+            .instance_count = scene->trace.instance_count,
+            .grid_instance = scene->grid.instance,
+            .grid_object = scene->grid.object,
+            .first_triangle = scene->grid.first_triangle,
+        };
+        dispatch(scene, commands, scene->kernel.lockstep, &params, sizeof params,
+                 ((uint64_t)slice.ray_count + group_rays - 1) / group_rays);
     }
 }
 
@@ -177,6 +208,10 @@ LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTrace
     if (desc->method == LS_TRACE_EXACT && desc->scratch != 0 && scene->has_passes)
     {
         record_passes(scene, commands, desc);
+    }
+    else if (desc->method == LS_TRACE_EXACT && scene->lane_rays != 0)
+    {
+        record_lockstep(scene, commands, desc);
     }
     else
     {

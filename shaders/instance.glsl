@@ -9,10 +9,10 @@
 // it. False if the ray misses the box.
 bool ls_move_far_origin(inout LsLocalRay ray)
 {
-    LsObjectArray objects = LsObjectArray(ls_scene.objects);
-    vec3 box_lower = objects.at[ray.object].lower;
-    vec3 box_upper = objects.at[ray.object].upper;
-    float reach = objects.at[ray.object].reach;
+    LS_FIND_OBJECT(objects, ray.object);
+    vec3 box_lower = LS_FOUND(objects, ray.object).lower;
+    vec3 box_upper = LS_FOUND(objects, ray.object).upper;
+    float reach = LS_FOUND(objects, ray.object).reach;
     for (int step = 0; step < 2; step++)
     {
         precise vec3 below = box_lower - ray.origin;
@@ -60,8 +60,8 @@ bool ls_local_ray_finish(inout LsLocalRay local, float tmin, float tmax)
     local.smin = tmin * local.scale;
     local.smax = tmax * local.scale;
     local.major = ls_max_axis(abs(local.direction));
-    local.first_triangle =
-        LS_FIRST(LsObjectArray(ls_scene.objects).at[local.object].first_triangle);
+    LS_FIND_OBJECT(objects, local.object);
+    local.first_triangle = LS_FIRST(LS_FOUND(objects, local.object).first_triangle);
     bool near = ls_move_far_origin(local);
     local.pivot = ls_permute(local.origin, local.major);
     local.sheared = ls_permute(local.direction, local.major);
@@ -84,21 +84,21 @@ float ls_carry_way(vec4 row, vec3 d)
 // Carries a scaled ray into the space of an instance. False if it misses it.
 bool ls_carry_ray(LsRay ray, uint index, float tmax, uint flags, out LsLocalRay local)
 {
-    LsInstanceArray instances = LsInstanceArray(ls_scene.instances);
+    LS_FIND_INSTANCE(instances, index);
     local.origin = ray.origin;
     local.direction = ray.direction;
     local.instance = index;
-    local.object = LS_FIRST(instances.at[index].object);
+    local.object = LS_FIRST(LS_FOUND(instances, index).object);
     local.flags = flags;
     local.mirrored = false;
-    uint kind = LS_HAS_TOP_LEVEL != 0u ? instances.at[index].flags : LS_INSTANCE_IDENTITY;
+    uint kind = LS_HAS_TOP_LEVEL != 0u ? LS_FOUND(instances, index).flags : LS_INSTANCE_IDENTITY;
     if ((kind & LS_INSTANCE_IDENTITY) == 0u)
     {
         vec3 o = ray.origin;
         vec3 d = ray.direction;
-        vec4 row_x = instances.at[index].object_from_world[0];
-        vec4 row_y = instances.at[index].object_from_world[1];
-        vec4 row_z = instances.at[index].object_from_world[2];
+        vec4 row_x = LS_FOUND(instances, index).object_from_world[0];
+        vec4 row_y = LS_FOUND(instances, index).object_from_world[1];
+        vec4 row_z = LS_FOUND(instances, index).object_from_world[2];
         local.origin =
             vec3(ls_carry_point(row_x, o), ls_carry_point(row_y, o), ls_carry_point(row_z, o));
         local.direction =

@@ -34,7 +34,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(mask));
         mask &= mask - 1u;
-        uint index = ray.first_triangle + LS_LOAD_WORD(ls_scene.references, first_reference + bit);
+        uint index = ray.first_triangle + LS_LOAD_WORD(references, first_reference + bit);
         left |= ls_may_meet(ls_project(ray, index)) ? 1u << bit : 0u;
     }
     ls_cut = ls_cut || int(mask | (0u - mask)) < 0;
@@ -42,7 +42,7 @@ bool ls_test_references(inout LsLocalRay ray, inout LsBest best, uint first_refe
     {
         uint bit = uint(findLSB(left));
         left &= left - 1u;
-        if (ls_test_triangle(ray, best, LS_LOAD_WORD(ls_scene.references, first_reference + bit)))
+        if (ls_test_triangle(ray, best, LS_LOAD_WORD(references, first_reference + bit)))
         {
             return true;
         }
@@ -79,22 +79,22 @@ bool ls_test_all(inout LsLocalRay ray, inout LsBest best, uint count)
 
 LsGrid ls_load_grid(uint object)
 {
-    LsObjectArray objects = LsObjectArray(ls_scene.objects);
+    LS_FIND_OBJECT(objects, object);
     LsGrid grid;
-    grid.lower = objects.at[object].grid_lower;
-    grid.inverse_cell = objects.at[object].inverse_cell;
-    grid.cells = uvec3(objects.at[object].cells[0], objects.at[object].cells[1],
-                       objects.at[object].cells[2]);
-    grid.first_block = LS_FIRST(objects.at[object].first_block);
-    grid.first_cell_block = LS_FIRST(objects.at[object].first_cell_block);
-    grid.first_voxel = LS_FIRST(objects.at[object].first_voxel);
-    grid.first_reference = LS_FIRST(objects.at[object].first_reference);
-    grid.first_shaft_word = LS_FIRST(objects.at[object].first_shaft_word);
-    grid.first_leaf_node = LS_FIRST(objects.at[object].first_leaf_node);
-    grid.first_subgrid = LS_FIRST(objects.at[object].first_subgrid);
+    grid.lower = LS_FOUND(objects, object).grid_lower;
+    grid.inverse_cell = LS_FOUND(objects, object).inverse_cell;
+    grid.cells = uvec3(LS_FOUND(objects, object).cells[0], LS_FOUND(objects, object).cells[1],
+                       LS_FOUND(objects, object).cells[2]);
+    grid.first_block = LS_FIRST(LS_FOUND(objects, object).first_block);
+    grid.first_cell_block = LS_FIRST(LS_FOUND(objects, object).first_cell_block);
+    grid.first_voxel = LS_FIRST(LS_FOUND(objects, object).first_voxel);
+    grid.first_reference = LS_FIRST(LS_FOUND(objects, object).first_reference);
+    grid.first_shaft_word = LS_FIRST(LS_FOUND(objects, object).first_shaft_word);
+    grid.first_leaf_node = LS_FIRST(LS_FOUND(objects, object).first_leaf_node);
+    grid.first_subgrid = LS_FIRST(LS_FOUND(objects, object).first_subgrid);
     grid.first_subgrid_block =
-        objects.at[object].cell_block_count - objects.at[object].subgrid_count;
-    grid.scene_patches = LS_HAS_SCENE_SHAFTS != 0u ? objects.at[object].scene_patches : 0u;
+        LS_FOUND(objects, object).cell_block_count - LS_FOUND(objects, object).subgrid_count;
+    grid.scene_patches = LS_HAS_SCENE_SHAFTS != 0u ? LS_FOUND(objects, object).scene_patches : 0u;
     return grid;
 }
 
@@ -120,10 +120,10 @@ bool ls_walk_grid(inout LsLocalRay ray, inout LsBest best)
 // Traces a ray that is in its object's space. True if it may end.
 bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
 {
-    LsObjectArray objects = LsObjectArray(ls_scene.objects);
-    uint count = objects.at[ray.object].triangle_count;
+    LS_FIND_OBJECT(objects, ray.object);
+    uint count = LS_FOUND(objects, ray.object).triangle_count;
     bool has_grid =
-        LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || objects.at[ray.object].kind == LS_OBJECT_GRID);
+        LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || LS_FOUND(objects, ray.object).kind == LS_OBJECT_GRID);
     if (LS_METHOD == LS_METHOD_BRUTE)
     {
         return ls_test_all(ray, best, count);
@@ -134,7 +134,8 @@ bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
 // Carries a scaled ray into an instance and traces it there. True if the ray may end.
 bool ls_trace_instance(LsRay ray, inout LsBest best, uint index, uint mask, uint flags)
 {
-    if ((LsInstanceArray(ls_scene.instances).at[index].mask & mask) == 0u)
+    LS_FIND_INSTANCE(instances, index);
+    if ((LS_FOUND(instances, index).mask & mask) == 0u)
     {
         return false;
     }
@@ -162,9 +163,9 @@ LsHit ls_make_hit(LsRay ray, LsBest best, float scale, uint flags)
         uint index = local.first_triangle + best.triangle;
         hit.object = local.object;
         uint at = index;
-        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, at);
-        hit.primitive = triangles.at[at].primitive;
-        hit.material = triangles.at[at].material;
+        LS_FIND_TRIANGLE(triangles, at);
+        hit.primitive = LS_FOUND(triangles, at).primitive;
+        hit.material = LS_FOUND(triangles, at).material;
         if (!any)
         {
             vec2 weights = ls_hit_weights(ls_project(local, index));
@@ -204,15 +205,15 @@ LsHit ls_trace_ray(LsRay ray, uint mask, uint flags)
     else if (legal)
     {
         // Boxes grow with the ray's origin, whose rounding in object space grows with it; SPEC 7.3.
-        LsBvhNodeArray nodes = LsBvhNodeArray(ls_scene.top_nodes);
+        LS_FIND_TOP_NODES(nodes);
         vec3 inverse = ls_inverse_direction(ray.direction);
         float pad = ls_scene.transform_bound * ls_max_component(abs(ray.origin));
-        uint node_count = nodes.at[0].escape;
+        uint node_count = LS_LOAD_TOP_NODE(nodes, 0).escape;
         bool done = false;
         uint i = 0u;
         while (i < node_count && !done)
         {
-            LsBvhNode node = nodes.at[i];
+            LsBvhNode node = LS_LOAD_TOP_NODE(nodes, i);
             bool met = ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad,
                                     ray.tmin, best.t);
             if (met && node.leaf != 0u)

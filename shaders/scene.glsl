@@ -48,11 +48,12 @@ LS_ARRAY(LsVoxelArray, LsVoxel, 16);
 LS_ARRAY(LsWordArray, uint, 4);
 LS_ARRAY(LsAddressArray, uvec2, 8);
 
-// Records of the arrays that grow with triangles and cells: TRIANGLES, BLOCKS, CELL_BLOCKS,
-// SUBGRIDS, VOXELS, REFERENCES, LEAF_NODES and SHAFTS are read through these alone. `array` is the
-// address in LsTraceScene; macros may name an argument twice. As functions they cost the second
-// pass 5 to 12 % of its speed on an NVIDIA H100 although nothing is cut (docs/benchmarks.md, "Large
-// input").
+// Records are read through the macros from here on alone: LS_FIND_... declares what LS_FOUND then
+// reads fields of. They may name an argument twice. As functions they cost the second pass 5 to 12 %
+// of its speed on an NVIDIA H100 although nothing is cut (docs/benchmarks.md, "Large input").
+#ifdef LS_TEXELS
+#include "texels.glsl"
+#else
 
 // The address of the segment that record `index` lies in, and the record's number there. Segments
 // hold as many records as if one took 2^record_log2 bytes.
@@ -63,15 +64,24 @@ LS_ARRAY(LsAddressArray, uvec2, 8);
     (LS_SEGMENT_LOG2 == 0u ? (index)       \
                            : (index) & ((1u << (LS_SEGMENT_LOG2 - record_log2)) - 1u))
 
+#define LS_FIND_OBJECT(name, index) LsObjectArray name = LsObjectArray(ls_scene.objects)
+#define LS_FIND_INSTANCE(name, index) LsInstanceArray name = LsInstanceArray(ls_scene.instances)
+#define LS_FIND_TRIANGLE(name, index) \
+    LsTriangleArray name = ls_find_triangle(ls_scene.triangles, index)
+#define LS_FIND_TOP_NODES(name) LsBvhNodeArray name = LsBvhNodeArray(ls_scene.top_nodes)
+#define LS_FOUND(name, index) name.at[index]
+#define LS_LOAD_TOP_NODE(nodes, index) nodes.at[index]
+
 #define LS_LOAD_WORD(array, index) \
-    LsWordArray(LS_SEGMENT(array, index, 2u)).at[LS_IN_SEGMENT(index, 2u)]
-#define LS_LOAD_VOXEL(array, index) \
-    LsVoxelArray(LS_SEGMENT(array, index, 4u)).at[LS_IN_SEGMENT(index, 4u)]
-#define LS_LOAD_NODE(array, index) \
-    LsBvhNodeArray(LS_SEGMENT(array, index, 5u)).at[LS_IN_SEGMENT(index, 5u)]
+    LsWordArray(LS_SEGMENT(ls_scene.array, index, 2u)).at[LS_IN_SEGMENT(index, 2u)]
+#define LS_LOAD_VOXEL(index) \
+    LsVoxelArray(LS_SEGMENT(ls_scene.voxels, index, 4u)).at[LS_IN_SEGMENT(index, 4u)]
+#define LS_LOAD_LEAF_NODE(index) \
+    LsBvhNodeArray(LS_SEGMENT(ls_scene.leaf_nodes, index, 5u)).at[LS_IN_SEGMENT(index, 5u)]
 // The word of cell `cell` of a block.
-#define LS_LOAD_CELL(array, block, cell) \
-    LsWordArray(LS_SEGMENT(array, block, 8u)).at[LS_IN_SEGMENT(block, 8u) * LS_BLOCK_CELLS + (cell)]
+#define LS_LOAD_CELL(block, cell)                              \
+    LsWordArray(LS_SEGMENT(ls_scene.cell_blocks, block, 8u))   \
+        .at[LS_IN_SEGMENT(block, 8u) * LS_BLOCK_CELLS + (cell)]
 
 // The segment of triangle `index`, which becomes its number there. Of a triangle hardly anyone
 // reads all.
@@ -82,11 +92,13 @@ LsTriangleArray ls_find_triangle(uvec2 array, inout uint index)
     return segment;
 }
 
+#endif
+
 // The triangle's number in the input.
-uint ls_load_primitive(uvec2 array, uint index)
+uint ls_load_primitive(uint index)
 {
-    LsTriangleArray triangles = ls_find_triangle(array, index);
-    return triangles.at[index].primitive;
+    LS_FIND_TRIANGLE(triangles, index);
+    return LS_FOUND(triangles, index).primitive;
 }
 
 layout(buffer_reference, std430, buffer_reference_align = 8) readonly buffer LsSceneReference

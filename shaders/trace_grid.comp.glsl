@@ -127,8 +127,8 @@ bool keep(inout Traced traced, float s, uint triangle)
         bool wins =
             traced.triangle == LS_NONE
                 ? (traced.scales & 1u << 16) != 0u
-                : ls_load_primitive(ls_scene.triangles, params.first_triangle + triangle) <
-                      ls_load_primitive(ls_scene.triangles, params.first_triangle + traced.triangle);
+                : ls_load_primitive(params.first_triangle + triangle) <
+                      ls_load_primitive(params.first_triangle + traced.triangle);
         if (!wins)
         {
             return false;
@@ -168,7 +168,7 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
             mask &= mask - 1u;
         }
         bit = uint(findLSB(mask));
-        triangle = LS_LOAD_WORD(ls_scene.references, first + bit);
+        triangle = LS_LOAD_WORD(references, first + bit);
         LsLocalRay ray = load_testing_ray(owner);
         LsProjection p = ls_project(ray, params.first_triangle + triangle);
         met =

@@ -167,14 +167,13 @@ struct LsProjection
     float u, v, w;
 };
 
-// Triangle `index` of the whole array. Reads the ray's pivot, sheared and major alone.
-LsProjection ls_project(LsLocalRay ray, uint index)
+// A triangle by its corners. Reads the ray's pivot, sheared and major alone.
+LsProjection ls_project_corners(LsLocalRay ray, vec3 v0, vec3 v1, vec3 v2)
 {
-    LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
     precise vec3 d = ray.sheared;
-    precise vec3 a = ls_permute(triangles.at[index].v0, ray.major) - ray.pivot;
-    precise vec3 b = ls_permute(triangles.at[index].v1, ray.major) - ray.pivot;
-    precise vec3 c = ls_permute(triangles.at[index].v2, ray.major) - ray.pivot;
+    precise vec3 a = ls_permute(v0, ray.major) - ray.pivot;
+    precise vec3 b = ls_permute(v1, ray.major) - ray.pivot;
+    precise vec3 c = ls_permute(v2, ray.major) - ray.pivot;
     precise vec2 pa = a.xy * d.z - d.xy * a.z;
     precise vec2 pb = b.xy * d.z - d.xy * b.z;
     precise vec2 pc = c.xy * d.z - d.xy * c.z;
@@ -182,6 +181,14 @@ LsProjection ls_project(LsLocalRay ray, uint index)
     precise float v = pa.x * pc.y - pa.y * pc.x;
     precise float w = pb.x * pa.y - pb.y * pa.x;
     return LsProjection(a, b, c, pa, pb, pc, u, v, w);
+}
+
+// Triangle `index` of the whole array.
+LsProjection ls_project(LsLocalRay ray, uint index)
+{
+    LS_FIND_TRIANGLE(triangles, index);
+    return ls_project_corners(ray, LS_FOUND(triangles, index).v0, LS_FOUND(triangles, index).v1,
+                              LS_FOUND(triangles, index).v2);
 }
 
 // Whether the signs of U, V and W let the ray pass through: few triangles of a voxel get so far.
@@ -271,8 +278,8 @@ bool ls_test_triangle(inout LsLocalRay ray, inout LsBest best, uint number)
     if (s == ray.smax &&
         (best.instance == LS_NONE || ray.instance > best.instance ||
          (ray.instance == best.instance &&
-          ls_load_primitive(ls_scene.triangles, index) >
-              ls_load_primitive(ls_scene.triangles, ray.first_triangle + best.triangle))))
+          ls_load_primitive(index) >
+              ls_load_primitive(ray.first_triangle + best.triangle))))
     {
         return false;
     }

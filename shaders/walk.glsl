@@ -126,7 +126,7 @@ void ls_load_signature(LsGrid grid, inout LsWalk walk, float s_enter, uint axis_
     bool forward;
     uint shaft = ls_shaft_number(grid.scene_patches, walk.mirror, axis_in, point_in, axis_out,
                                  point_out, forward);
-    uint word = LS_LOAD_WORD(ls_scene.shafts, grid.first_shaft_word + shaft);
+    uint word = LS_LOAD_WORD(shafts, grid.first_shaft_word + shaft);
     walk.signature = forward ? word : bitfieldReverse(word);
     walk.s_line = s_enter;
     walk.s_interval = (s_leave - s_enter) * (1.0 / float(LS_SIGNATURE_INTERVALS));
@@ -242,10 +242,10 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
     uint bit = shaft * width;
     uint at = first_shaft_word + voxel.table + (bit >> 5);
     uint shift = bit & 31u;
-    uint mask = LS_LOAD_WORD(ls_scene.shafts, at) >> shift;
+    uint mask = LS_LOAD_WORD(shafts, at) >> shift;
     if (exact && shift + width > 32u)
     {
-        mask |= LS_LOAD_WORD(ls_scene.shafts, at + 1u) << (32u - shift);
+        mask |= LS_LOAD_WORD(shafts, at + 1u) << (32u - shift);
     }
     return mask;
 }
@@ -255,7 +255,7 @@ uint ls_shaft_mask(LsVoxel voxel, uint first_shaft_word, uint mirror, uint axis_
 bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
 {
     uint first_node = grid.first_leaf_node + voxel.table;
-    uint node_count = LS_LOAD_NODE(ls_scene.leaf_nodes, first_node).escape;
+    uint node_count = LS_LOAD_LEAF_NODE(first_node).escape;
     // Of an infinite inverse the one that ls_inverse_direction gives, so that no product is NaN.
     vec3 inverse = min(walk.inverse, vec3(1.0 / (LS_SMALLEST_COMPONENT * grid.inverse_cell)));
     bvec3 falling = notEqual(ls_mirror(walk.mirror), ivec3(0));
@@ -264,7 +264,7 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     uint i = walk.leaf_node;
     while (i < node_count)
     {
-        LsBvhNode node = LS_LOAD_NODE(ls_scene.leaf_nodes, first_node + i);
+        LsBvhNode node = LS_LOAD_LEAF_NODE(first_node + i);
         bool met = ls_meets_box(walk.origin, inverse, mix(node.lower, -node.upper, falling),
                                 mix(node.upper, -node.lower, falling), s_first, s_limit);
         i = met ? i + 1u : node.escape;
@@ -306,7 +306,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         uvec3 at_block = at >> 2;
         uint blocks_x = (grid.cells.x + 3u) >> 2;
         uint blocks_y = (grid.cells.y + 3u) >> 2;
-        word = LS_LOAD_WORD(ls_scene.blocks, grid.first_block + at_block.x +
+        word = LS_LOAD_WORD(blocks, grid.first_block + at_block.x +
                                                  blocks_x * (at_block.y + blocks_y * at_block.z));
         in_block = (word & 15u) == 0u;
         walk.block = in_block ? word >> 4 : walk.block;
@@ -314,7 +314,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
     if (in_block)
     {
         uvec3 in_at = at & 3u;
-        word = LS_LOAD_CELL(ls_scene.cell_blocks, grid.first_cell_block + walk.block,
+        word = LS_LOAD_CELL(grid.first_cell_block + walk.block,
                             in_at.x + 4u * in_at.y + 16u * in_at.z);
     }
     else
@@ -324,9 +324,13 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
     }
     bool filled = (word & 15u) == 0u;
     LsVoxel voxel;
+#ifdef LS_TEXELS
+    // Lanes that have none fetch as well, and then what the cache holds.
+    voxel = LsVoxel(0u, 0u, 0u, 0u);
+#endif
     if (filled)
     {
-        voxel = LS_LOAD_VOXEL(ls_scene.voxels, grid.first_voxel + (word >> 4));
+        voxel = LS_LOAD_VOXEL(grid.first_voxel + (word >> 4));
         uint kind = voxel.shape & 0xFFu;
         if (LS_HAS_SUBGRIDS != 0u && kind == LS_VOXEL_SUBGRID)
         {
@@ -392,7 +396,7 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         if (walk.level > 0u)
         {
             uint subgrid = walk.block - grid.first_subgrid_block;
-            walk.block = LS_LOAD_WORD(ls_scene.subgrids, grid.first_subgrid + subgrid);
+            walk.block = LS_LOAD_WORD(subgrids, grid.first_subgrid + subgrid);
         }
     }
     walk.cell = next;

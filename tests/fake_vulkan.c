@@ -70,6 +70,16 @@ static VkResult VKAPI_CALL fake_AllocateCommandBuffers(VkDevice device,
                : driver_AllocateCommandBuffers(device, info, commands);
 }
 
+static PFN_vkAllocateDescriptorSets driver_AllocateDescriptorSets;
+static VkResult VKAPI_CALL fake_AllocateDescriptorSets(VkDevice device,
+                                                       const VkDescriptorSetAllocateInfo* info,
+                                                       VkDescriptorSet* sets)
+{
+    return shall_fail("vkAllocateDescriptorSets")
+               ? ls_fake_vulkan.failure
+               : driver_AllocateDescriptorSets(device, info, sets);
+}
+
 // ---- Creation and destruction ------------------------------------------------------------------
 
 // A failed creation leaves rubbish in the handle, as Vulkan allows: nobody may use or destroy it.
@@ -103,13 +113,19 @@ static VkResult count_creation(VkResult code)
 
 FAKE_CREATE(AllocateMemory, VkMemoryAllocateInfo, VkDeviceMemory)
 FAKE_CREATE(CreateBuffer, VkBufferCreateInfo, VkBuffer)
+FAKE_CREATE(CreateBufferView, VkBufferViewCreateInfo, VkBufferView)
 FAKE_CREATE(CreateCommandPool, VkCommandPoolCreateInfo, VkCommandPool)
+FAKE_CREATE(CreateDescriptorPool, VkDescriptorPoolCreateInfo, VkDescriptorPool)
+FAKE_CREATE(CreateDescriptorSetLayout, VkDescriptorSetLayoutCreateInfo, VkDescriptorSetLayout)
 FAKE_CREATE(CreateFence, VkFenceCreateInfo, VkFence)
 FAKE_CREATE(CreatePipelineLayout, VkPipelineLayoutCreateInfo, VkPipelineLayout)
 FAKE_CREATE(CreateShaderModule, VkShaderModuleCreateInfo, VkShaderModule)
 FAKE_DESTROY(FreeMemory, VkDeviceMemory)
 FAKE_DESTROY(DestroyBuffer, VkBuffer)
+FAKE_DESTROY(DestroyBufferView, VkBufferView)
 FAKE_DESTROY(DestroyCommandPool, VkCommandPool)
+FAKE_DESTROY(DestroyDescriptorPool, VkDescriptorPool)
+FAKE_DESTROY(DestroyDescriptorSetLayout, VkDescriptorSetLayout)
 FAKE_DESTROY(DestroyFence, VkFence)
 FAKE_DESTROY(DestroyPipeline, VkPipeline)
 FAKE_DESTROY(DestroyPipelineLayout, VkPipelineLayout)
@@ -324,18 +340,25 @@ static VkResult VKAPI_CALL allocate_memory(VkDevice device, const VkMemoryAlloca
 
 #define FAKE_DEVICE_LIST(X)        \
     X(AllocateCommandBuffers)      \
+    X(AllocateDescriptorSets)      \
     X(BeginCommandBuffer)          \
     X(BindBufferMemory)            \
     X(CmdCopyBuffer)               \
     X(CmdDispatch)                 \
     X(CreateBuffer)                \
+    X(CreateBufferView)            \
     X(CreateCommandPool)           \
     X(CreateComputePipelines)      \
+    X(CreateDescriptorPool)        \
+    X(CreateDescriptorSetLayout)   \
     X(CreateFence)                 \
     X(CreatePipelineLayout)        \
     X(CreateShaderModule)          \
     X(DestroyBuffer)               \
+    X(DestroyBufferView)           \
     X(DestroyCommandPool)          \
+    X(DestroyDescriptorPool)       \
+    X(DestroyDescriptorSetLayout)  \
     X(DestroyFence)                \
     X(DestroyPipeline)             \
     X(DestroyPipelineLayout)       \

@@ -41,6 +41,7 @@ BUFFER(24, LsTraceQueue);
 BUFFER(25, LsGridRay);
 BUFFER(26, LsListParams);
 BUFFER(27, LsGridParams);
+BUFFER(28, LsLockstepParams);
 
 void main()
 {

@@ -181,6 +181,15 @@ static const Layout layouts[] = {
       MEMBER(LsGridParams, inverse_cell), MEMBER(LsGridParams, cells), MEMBER(LsGridParams, flags),
       MEMBER(LsGridParams, instance), MEMBER(LsGridParams, object),
       MEMBER(LsGridParams, first_triangle), MEMBER(LsGridParams, first_subgrid_block)}},
+    {"LsLockstepParams",
+     sizeof(LsLockstepParams),
+     {MEMBER(LsLockstepParams, grid_lower), MEMBER(LsLockstepParams, inverse_cell),
+      MEMBER(LsLockstepParams, cells), MEMBER(LsLockstepParams, flags),
+      MEMBER(LsLockstepParams, rays), MEMBER(LsLockstepParams, hits),
+      MEMBER(LsLockstepParams, masks), MEMBER(LsLockstepParams, ray_count),
+      MEMBER(LsLockstepParams, instance_count), MEMBER(LsLockstepParams, grid_instance),
+      MEMBER(LsLockstepParams, grid_object), MEMBER(LsLockstepParams, first_triangle),
+      MEMBER(LsLockstepParams, reserved)}},
 };
 
 static const size_t layout_count = sizeof(layouts) / sizeof(layouts[0]);

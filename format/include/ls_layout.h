@@ -504,6 +504,32 @@ LS_SIZE(LsGridParams, 128);
 #define LS_GRID_MIRRORED 0x80000000u // the instance turns the winding round
 #define LS_GRID_SCENE_PATCHES 16     // first of eight bits with the object's scene_patches
 
+// ---- One pass over scenes with one grid where lanes go in lockstep, whatever they do --------------
+
+// Push constants. The scene is read as texels.
+LS_STRUCT(LsLockstepParams)
+{
+    LsVec3 grid_lower; // as in LsGridParams
+    float inverse_cell;
+    uint32_t cells[3];
+    uint32_t flags; // LS_RAY_FLAG_*, LS_GRID_MIRRORED
+    LsAddress rays; // as in LsTraceParams
+    LsAddress hits;
+    LsAddress masks;
+    uint32_t ray_count;
+    uint32_t instance_count; // no more than lanes
+    uint32_t grid_instance;
+    uint32_t grid_object;
+    uint32_t first_triangle;
+    uint32_t reserved;
+};
+LS_SIZE(LsLockstepParams, 80);
+
+#define LS_MAX_LANE_RAYS 32u // LS_CONSTANT_LANE_RAYS
+// Steps and tests of a group, one after the other. Their loops take two rounds each at most, and
+// with those of the lists they stay within the 65535 of llvmpipe.
+#define LS_LOCKSTEP_ROUNDS 20000u
+
 #define LS_METHOD_EXACT 0u // through the Line Space
 #define LS_METHOD_BRUTE 1u // every triangle, same test: the yardstick of exactness
 #define LS_METHOD_GRID 2u  // the same cells without shafts: tells what these are worth
@@ -519,6 +545,7 @@ LS_SIZE(LsGridParams, 128);
 #define LS_CONSTANT_REFILL 34     // of the second of two passes
 #define LS_CONSTANT_HAS_LIGHTS 35 // of the path tracer
 #define LS_CONSTANT_SEGMENT_LOG2 36
+#define LS_CONSTANT_LANE_RAYS 37 // that a group traces in lockstep, divided by its lanes
 
 // Triangles that brute force tests in a round of its loop.
 #define LS_BRUTE_ROUND 8u
