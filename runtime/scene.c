@@ -176,9 +176,22 @@ static uint32_t find_grid_instance(const LsFile* file)
     return grid_count == 1 && instance_count == 1 ? found : LS_NONE;
 }
 
-// Rays of a lane in lockstep: the more, the better, while those that cross all of the grid, at three
-// rounds a cell, get through within LS_LOCKSTEP_ROUNDS; 0 if not worth it. What loops within a step
-// of the walk is not counted among those rounds, so nothing may.
+// At most: rounds of loops that a ray takes in lockstep through the lists. Lanes look at eight
+// triangles together, one after the other, and then at those of them that are left.
+static uint64_t count_list_rounds(const LsFile* file)
+{
+    uint64_t rounds = 0;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
+    {
+        const LsObject* object = &file->objects[file->instances[i].object];
+        rounds += 4 + (object->kind == LS_OBJECT_LIST ? 3 * (uint64_t)object->triangle_count : 0);
+    }
+    return rounds;
+}
+
+// Rays of a lane in lockstep, 0 if not worth it: the more, the better, while the lists and a way
+// across all of the grid, at three rounds a cell, take LS_LOCKSTEP_ROUNDS each at most. What loops
+// within a step of the walk is not counted among those rounds, so nothing may.
 static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const LsObject* object)
 {
     const uint64_t loops = LS_FEATURE_SUBGRIDS | LS_FEATURE_LEAF_BVHS | LS_FEATURE_SCENE_SHAFTS;
@@ -187,9 +200,12 @@ static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const
     {
         return 0;
     }
-    const uint32_t cells = object->cells[0] + object->cells[1] + object->cells[2];
-    const uint32_t rays = LS_LOCKSTEP_ROUNDS / (3 * cells);
-    return rays < 4 ? 0 : rays < LS_MAX_LANE_RAYS ? rays : LS_MAX_LANE_RAYS;
+    const uint64_t list_rounds = count_list_rounds(file);
+    const uint64_t grid_rounds =
+        3 * ((uint64_t)object->cells[0] + object->cells[1] + object->cells[2]);
+    const uint64_t rays =
+        LS_LOCKSTEP_ROUNDS / (list_rounds > grid_rounds ? list_rounds : grid_rounds);
+    return rays < 4 ? 0 : (uint32_t)(rays < LS_MAX_LANE_RAYS ? rays : LS_MAX_LANE_RAYS);
 }
 
 // Whether the scene can be traced in two passes or in lockstep, and then what these need to know.
@@ -231,7 +247,7 @@ static void prepare_one_grid(LsScene* scene, const LsFile* file)
     };
 }
 
-// Leaves the scene without texels if an array has too many for the device, or is cut.
+// Leaves the scene without texels where the device would not gain, or an array is too large or cut.
 static LsResult create_texels(LsScene* scene, LsError* error)
 {
     static const LsChunk chunks[] = {
@@ -241,7 +257,7 @@ static LsResult create_texels(LsScene* scene, LsError* error)
     };
     static_assert(sizeof(chunks) / sizeof(chunks[0]) == LS_TEXEL_ARRAY_COUNT, "one for each array");
     LsTexelArray arrays[LS_TEXEL_ARRAY_COUNT] = {0};
-    bool fits = scene->segment_log2 == 0;
+    bool fits = scene->context->max_texels != 0 && scene->segment_log2 == 0;
     for (uint32_t i = 0; i < LS_TEXEL_ARRAY_COUNT; i++)
     {
         const LsBuffer* buffer = scene->chunks[chunks[i]].segments;

@@ -526,8 +526,8 @@ LS_STRUCT(LsLockstepParams)
 LS_SIZE(LsLockstepParams, 80);
 
 #define LS_MAX_LANE_RAYS 32u // LS_CONSTANT_LANE_RAYS
-// Steps and tests of a group, one after the other. Their loops take two rounds each at most, and
-// with those of the lists they stay within the 65535 of llvmpipe.
+// Steps with their tests that a group takes in the grid. Two loops count them, a third the rays in
+// the lists, so that all stay within llvmpipe's 65535.
 #define LS_LOCKSTEP_ROUNDS 20000u
 
 #define LS_METHOD_EXACT 0u // through the Line Space
