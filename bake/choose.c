@@ -80,6 +80,13 @@ LsPatchesChoice ls_patches_choice(const LsBakeDesc* desc)
                              .byte_price = chosen && !by_work ? price : 0.0};
 }
 
+LsDivisionRule ls_division_rule(const LsBakeDesc* desc)
+{
+    return (LsDivisionRule){.above =
+                                desc->divide_above != 0 ? desc->divide_above : LS_MASK_TRIANGLES,
+                            .most_depth = LS_MAX_DEPTH};
+}
+
 // ---- Surveys ------------------------------------------------------------------------------------------
 
 static LsResult add_survey(const Chooser* chooser, uint32_t object, uint32_t grid, LsError* error)
@@ -96,6 +103,7 @@ static LsResult add_survey(const Chooser* chooser, uint32_t object, uint32_t gri
         const LsSurveyDesc how = {
             .samples = (uint32_t)fmin(fmax(share, FEWEST_SAMPLES), MOST_SAMPLES),
             .patches = desc->patches,
+            .rule = desc->rule,
             .weights = desc->weights,
             .threads = desc->threads,
         };

@@ -28,8 +28,9 @@ typedef struct Divider
     const LsMesh* mesh;
     const LsGridFrame* frame;
     double grow;
-    uint64_t held; // references of voxels that are not divided, those in the queue among them
-    uint64_t most; // of them
+    uint32_t above; // triangles of voxels that are divided, if that pays
+    uint64_t held;  // references of voxels that are not divided, those in the queue among them
+    uint64_t most;  // of them
     Pending* queue;
     uint32_t queue_count, queue_capacity;
     uint32_t block_capacity, voxel_capacity, reference_capacity, leaf_node_capacity;
@@ -301,16 +302,16 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     LsSubtree* tree = divider->tree;
     bool is_grid = pending->slot == LS_NONE;
     *voxel = pending->voxel;
-    if (pending->count <= LS_MASK_TRIANGLES)
-    {
-        voxel->kind = ls_voxel_kind(pending->count);
-        return is_grid || append_references(divider, voxel, pending->references, pending->count);
-    }
     uint32_t counts[LS_BLOCK_CELLS];
     bool memory = true;
-    if (!division_pays(divider, pending, counts, &memory))
+    const bool is_divided =
+        pending->count > divider->above && division_pays(divider, pending, counts, &memory);
+    if (!is_divided)
     {
-        return memory && make_bvh(divider, voxel, pending->references, pending->count) &&
+        voxel->kind = ls_voxel_kind(pending->count);
+        const bool ok = pending->count <= LS_MASK_TRIANGLES ||
+                        make_bvh(divider, voxel, pending->references, pending->count);
+        return memory && ok &&
                (is_grid || append_references(divider, voxel, pending->references, pending->count));
     }
     uint32_t block = tree->block_count;
@@ -331,10 +332,11 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
 }
 
 bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
-                       const LsGridFrame* frame, uint64_t most, uint32_t* references)
+                       const LsGridFrame* frame, uint32_t above, uint64_t most,
+                       uint32_t* references)
 {
     *tree = (LsSubtree){0};
-    if (voxel->reference_count <= LS_MASK_TRIANGLES)
+    if (voxel->reference_count <= above && voxel->reference_count <= LS_MASK_TRIANGLES)
     {
         voxel->kind = ls_voxel_kind(voxel->reference_count);
         return true;
@@ -343,6 +345,7 @@ bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
                        .mesh = mesh,
                        .frame = frame,
                        .grow = frame->bound * (1.0 + 1e-6),
+                       .above = above,
                        .held = voxel->reference_count,
                        .most = most};
     Pending root = {.voxel = *voxel,

@@ -116,7 +116,7 @@ LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid,
     *survey = (LsSurvey){.grid = grid};
     LsVoxels voxels;
     LsResult result =
-        ls_voxels_create(&voxels, mesh, grid, LS_MAX_DEPTH, desc->threads, NULL, error);
+        ls_voxels_create(&voxels, mesh, grid, &desc->rule, desc->threads, NULL, error);
     if (result != LS_OK)
     {
         return result;

@@ -36,8 +36,9 @@ typedef struct LsOffer
 // How a survey is made.
 typedef struct LsSurveyDesc
 {
-    uint32_t samples;              // voxels whose masks are made, if so many would have some
-    uint32_t patches;              // the most N
+    uint32_t samples; // voxels whose masks are made, if so many would have some
+    uint32_t patches; // the most N
+    LsDivisionRule rule;
     const LsShaftWeights* weights; // of each N from 1 on, borrowed
     uint32_t threads;
 } LsSurveyDesc;

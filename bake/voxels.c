@@ -110,6 +110,7 @@ typedef struct Build
 {
     LsVoxels* out;
     const LsMesh* mesh;
+    const LsDivisionRule* rule;
     uint32_t threads;
     const LsStageProgress* progress;
     double grow;
@@ -386,8 +387,8 @@ static LsResult divide_voxels(Build* build, LsError* error)
         uint32_t* references = build->references + voxel->first_reference;
         sort_words(references, voxel->reference_count);
         const uint64_t most = (uint64_t)(growth * voxel->reference_count);
-        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, most,
-                                     references);
+        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame,
+                                     build->rule->above, most, references);
     }
     return ok ? LS_OK : report_memory(error);
 }
@@ -591,15 +592,17 @@ static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t 
 }
 
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
-static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
-                         uint8_t* copies, uint32_t threads, const LsStageProgress* progress,
-                         bool* crowded, LsError* error)
+static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
+                         const LsDivisionRule* rule, uint8_t* copies, uint32_t threads,
+                         const LsStageProgress* progress, bool* crowded, LsError* error)
 {
     *voxels = (LsVoxels){.frame = ls_grid_frame(mesh, grid)};
-    voxels->frame.depth = voxels->frame.depth < most_depth ? voxels->frame.depth : most_depth;
+    voxels->frame.depth =
+        voxels->frame.depth < rule->most_depth ? voxels->frame.depth : rule->most_depth;
     // The slack keeps the rounding of double on the safe side of e.
     Build build = {.out = voxels,
                    .mesh = mesh,
+                   .rule = rule,
                    .threads = threads,
                    .progress = progress,
                    .grow = voxels->frame.bound * (1.0 + 1e-6),
@@ -623,8 +626,9 @@ static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, ui
     return result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error)
+LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
+                          const LsDivisionRule* rule, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error)
 {
     *voxels = (LsVoxels){0};
     uint8_t* copies = ls_find_copies(mesh);
@@ -641,8 +645,7 @@ LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, u
     LsResult result = LS_OK;
     for (; crowded && result == LS_OK; cells /= 2)
     {
-        result =
-            try_grid(voxels, mesh, cells, most_depth, copies, threads, progress, &crowded, error);
+        result = try_grid(voxels, mesh, cells, rule, copies, threads, progress, &crowded, error);
     }
     free(copies);
     return result;

@@ -164,11 +164,12 @@ static double count_steps(const LsFile* file, const Level* level, uint32_t block
 }
 
 // Lines of the model come to all cells alike, real ones to those where the skip before ends.
-static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
+static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid,
+                        uint32_t divide_above)
 {
     LsBaked baked;
     ls_baked_open_desc(&baked, mesh, name, LS_TEST_ALONE,
-                       &(LsBakeDesc){.grid = grid, .patches = 1});
+                       &(LsBakeDesc){.grid = grid, .patches = 1, .divide_above = divide_above});
     const LsObject* object = &baked.file.objects[0];
     const double cells[3] = {object->cells[0], object->cells[1], object->cells[2]};
     const Level level = {.width = 1.0,
@@ -189,8 +190,8 @@ static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
         }
     }
     const double walked = sum / count, expected = baked.report.steps_per_line;
-    print_message("%s %u: expected %.3f steps of a line, walked %.3f\n", name, grid, expected,
-                  walked);
+    print_message("%s %u, divided above %u: expected %.3f steps of a line, walked %.3f\n", name,
+                  grid, divide_above, expected, walked);
     assert_true(fabs(expected / walked - 1.0) < 0.25);
     ls_baked_close(&baked);
 }
@@ -199,9 +200,12 @@ static void steps_are_those_of_lines(void** state)
 {
     (void)state;
     LsTestMesh bunny = ls_test_mesh_make(LS_TEST_MESH_BUNNY);
-    check_steps(&bunny, "steps", 16); // all of it divided
-    check_steps(&bunny, "steps", 64);
-    check_steps(&bunny, "steps", 200);
+    check_steps(&bunny, "steps", 16, 0);                   // all of it divided
+    check_steps(&bunny, "steps", 16, 3);                   // twice
+    check_steps(&bunny, "steps", 16, LS_MAX_DIVIDE_ABOVE); // BVHs
+    check_steps(&bunny, "steps", 64, 0);
+    check_steps(&bunny, "steps", 64, 6);
+    check_steps(&bunny, "steps", 200, 0);
     ls_test_mesh_destroy(&bunny);
     // A thin box, whose blocks mostly lie across its border.
     LsTestMesh ring = ls_test_mesh_make(LS_TEST_MESH_TEAPOT);
@@ -209,10 +213,10 @@ static void steps_are_those_of_lines(void** state)
     {
         ring.positions[3 * i + 1] *= 0.01f;
     }
-    check_steps(&ring, "thin", 100);
+    check_steps(&ring, "thin", 100, 0);
     ls_test_mesh_destroy(&ring);
     LsTestMesh hub = ls_test_mesh_make(LS_TEST_MESH_HUB); // BVHs
-    check_steps(&hub, "hub", 12);
+    check_steps(&hub, "hub", 12, 0);
     ls_test_mesh_destroy(&hub);
 }
 

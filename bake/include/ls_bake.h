@@ -65,6 +65,9 @@ extern "C"
 
 // Most patches along a voxel's edge that are chosen by voxel.
 #define LS_MAX_CHOSEN_PATCHES 8
+// The fewest and the most triangles that may be asked to be divided.
+#define LS_MIN_DIVIDE_ABOVE 3
+#define LS_MAX_DIVIDE_ABOVE 1000000
 
     // Input of a bake. Zero means default.
     typedef struct LsBakeDesc
@@ -89,6 +92,9 @@ extern "C"
         // Of tables, in triangle tests of a ray in a voxel, for choose_patches without memory; 0:
         // 0.001.
         double byte_price;
+        // T: voxels of more triangles are divided into sub-grids of 4 x 4 x 4, 3..1000000; 0: 32,
+        // the most that masks hold. Others of more than 32 have a BVH.
+        uint32_t divide_above;
         // M: each grid also gets shafts across the whole of it, between M x M patches on the faces
         // of its box, that say which parts of their way may be filled; 1..32, 60 M^4 bytes a grid.
         // 0: none.
