@@ -426,13 +426,15 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             bake->report.list_object_count++;
             continue;
         }
+        LsDivisionRule rule = bake->rule;
+        rule.price = rule.is_weighed ? choice->price : 0.0;
         const LsGridFrame frame = ls_grid_frame(mesh, choice->grid);
         LsResult result = check_memory(bake, ls_grid_need(&frame, mesh->triangle_count),
                                        "the grid of an object", error);
         if (result == LS_OK)
         {
-            result = ls_voxels_create(voxels, mesh, choice->grid, &bake->rule, bake->threads,
-                                      &progress, error);
+            result = ls_voxels_create(voxels, mesh, choice->grid, &rule, bake->threads, &progress,
+                                      error);
         }
         if (result == LS_OK)
         {

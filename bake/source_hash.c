@@ -18,7 +18,7 @@
 #include <xxhash.h>
 
 // Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 8
+#define BAKE_REVISION 9
 
 #define BLOCK_BYTES (16u << 20)
 #define PIECE_BYTES (256u << 10) // read at once: stays in the cache of a core
@@ -128,7 +128,8 @@ static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, const LsPat
                                 LS_VERSION_MINOR,      BAKE_REVISION,       desc->grid,
                                 choice->patches,       choice->chosen,      choice->by_work,
                                 desc->keep_degenerate, desc->normals,       desc->no_weld,
-                                desc->input_count,     desc->scene_patches, rule.above};
+                                desc->input_count,     desc->scene_patches, rule.above,
+                                rule.is_weighed};
     const uint64_t memory[] = {desc->memory};
     const double measures[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0,
                                choice->byte_price};

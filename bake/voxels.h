@@ -25,7 +25,8 @@ typedef struct LsVoxels
     uint32_t reference_count;
     LsBvhNode* leaf_nodes;
     uint32_t leaf_node_count;
-    uint32_t depth; // deepest level in use
+    LsDivision* divisions; // of the sub-grids, if they are weighed at no price; else NULL
+    uint32_t depth;        // deepest level in use
 } LsVoxels;
 
 // Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see

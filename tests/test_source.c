@@ -326,6 +326,7 @@ static void options_move_the_hash(void** state)
                                  {DESC, .memory = 1000},
                                  {DESC, .memory = 1001},
                                  {DESC, .memory = 1000, .grid = 9},
+                                 {DESC, .memory = 1000, .divide_above = 32},
                                  {DESC, .memory = 1000, .choose_patches = true, .patches = 4},
                                  {DESC, .scene_patches = 1},
                                  {DESC, .divide_above = 8},
