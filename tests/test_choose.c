@@ -440,10 +440,11 @@ static void divisions_are_chosen(void** state)
 {
     (void)state;
     static const char* path = LS_BINARY_DIR "/divisions.ply";
-    for (int i = 0; i < 2; i++)
+    for (int i = 0; i < 3; i++)
     {
-        LsTestMesh mesh = i == 0 ? ls_test_mesh_make(LS_TEST_MESH_ELEPHANT)
-                                 : ls_hard_mesh_make(LS_HARD_MESH_HUB, 3000);
+        LsTestMesh mesh =
+            i == 0 ? ls_test_mesh_make(LS_TEST_MESH_ELEPHANT)
+                   : ls_hard_mesh_make(i == 1 ? LS_HARD_MESH_HUB : LS_HARD_MESH_SIZES, 3000);
         ls_test_mesh_write_ply(&mesh, path);
         const uint64_t least = read_least(path, 0), before = read_least(path, LS_MASK_TRIANGLES);
         print_message("%llu bytes at least, %llu if all are divided\n", (unsigned long long)least,
@@ -454,7 +455,7 @@ static void divisions_are_chosen(void** state)
         assert_int_equal(baked.report.memory_bytes, least);
         assert_true(baked.report.voxel_kind_count[LS_VOXEL_BVH] > 0);
         ls_baked_close(&baked);
-        for (uint64_t memory = before; memory < 3 * before; memory += before / 3)
+        for (uint64_t memory = before; memory < 3 * before; memory += before)
         {
             ls_baked_open_desc(&baked, &mesh, "divided", LS_TEST_ALONE,
                                &(LsBakeDesc){.memory = memory, .divide_above = LS_MASK_TRIANGLES});
@@ -464,7 +465,8 @@ static void divisions_are_chosen(void** state)
                                &(LsBakeDesc){.memory = memory});
             print_message("%llu bytes: work %.3f, if all are divided %.3f\n",
                           (unsigned long long)memory, count_work(&baked.report), divided);
-            assert_true(count_work(&baked.report) <= 1.01 * divided);
+            const bool is_uneven = i == 2 && memory == before;
+            assert_true(count_work(&baked.report) <= (is_uneven ? 0.8 : 1.01) * divided);
             ls_baked_close(&baked);
         }
         ls_test_mesh_destroy(&mesh);
