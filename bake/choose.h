@@ -1,9 +1,9 @@
 // choose.h - what a bake is to make of every object: cells, and a price of bytes by expected work
 // and memory.
 //
-// One price for the whole scene divides memory where it saves most: each object takes the grid, and
-// each voxel the N, of the least work of a line + price * bytes. Lines meet objects with the ratio
-// of their boxes' surfaces.
+// One price for the whole scene divides memory where it saves most: each object takes the grid,
+// each crowded voxel a sub-grid or a BVH, and each voxel the N, of the least work of a line + price
+// * bytes. Lines meet objects with the ratio of their boxes' surfaces.
 
 #ifndef LS_CHOOSE_H
 #define LS_CHOOSE_H
