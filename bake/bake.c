@@ -49,6 +49,7 @@ typedef struct Bake
     LsPack pack;
     uint8_t source_hash[16];
     LsPatchesChoice patches;
+    LsDivisionRule rule;
     LsShaftWeights weights[LS_MAX_PATCHES + 1]; // of each N that may be used
     LsChoice* choices;                          // of each object
     uint32_t threads;
@@ -154,6 +155,12 @@ static LsResult check_desc(const LsBakeDesc* desc, LsError* error)
     {
         return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "scene_patches %u is outside 1..%u",
                             desc->scene_patches, LS_MAX_SCENE_PATCHES);
+    }
+    if (desc->divide_above != 0 &&
+        (desc->divide_above < LS_MIN_DIVIDE_ABOVE || desc->divide_above > LS_MAX_DIVIDE_ABOVE))
+    {
+        return ls_error_set(error, LS_MESSAGE_USAGE_NUMBER, "divide_above %u is outside %d..%d",
+                            desc->divide_above, LS_MIN_DIVIDE_ABOVE, LS_MAX_DIVIDE_ABOVE);
     }
     if (!(desc->byte_price >= 0.0 && desc->byte_price <= DBL_MAX))
     {
@@ -388,6 +395,7 @@ static LsResult choose_grids(Bake* bake, LsError* error)
         .fixed_bytes = count_fixed_bytes(bake),
         .grid = desc->grid,
         .patches = bake->patches.patches,
+        .rule = bake->rule,
         .weights = bake->weights,
         .threads = bake->threads,
         .max_memory = desc->max_memory,
@@ -418,13 +426,15 @@ static LsResult make_voxels(Bake* bake, LsError* error)
             bake->report.list_object_count++;
             continue;
         }
+        LsDivisionRule rule = bake->rule;
+        rule.price = rule.is_weighed ? choice->price : 0.0;
         const LsGridFrame frame = ls_grid_frame(mesh, choice->grid);
         LsResult result = check_memory(bake, ls_grid_need(&frame, mesh->triangle_count),
                                        "the grid of an object", error);
         if (result == LS_OK)
         {
-            result = ls_voxels_create(voxels, mesh, choice->grid, LS_MAX_DEPTH, bake->threads,
-                                      &progress, error);
+            result = ls_voxels_create(voxels, mesh, choice->grid, &rule, bake->threads, &progress,
+                                      error);
         }
         if (result == LS_OK)
         {
@@ -687,6 +697,7 @@ LsResult ls_bake_run(const LsBakeDesc* desc, LsBakeReport* report, LsError* erro
     }
     Bake bake = {.desc = desc,
                  .patches = ls_patches_choice(desc),
+                 .rule = ls_division_rule(desc),
                  .threads = desc->threads != 0 ? desc->threads : (uint32_t)omp_get_num_procs()};
     result = run(&bake, error);
     bake.report.peak_memory_bytes = peak_memory();

@@ -80,6 +80,15 @@ LsPatchesChoice ls_patches_choice(const LsBakeDesc* desc)
                              .byte_price = chosen && !by_work ? price : 0.0};
 }
 
+LsDivisionRule ls_division_rule(const LsBakeDesc* desc)
+{
+    return (LsDivisionRule){
+        .above = desc->divide_above != 0 ? desc->divide_above : LS_MASK_TRIANGLES,
+        .most_depth = LS_MAX_DEPTH,
+        .is_weighed = ls_patches_choice(desc).by_work && desc->divide_above == 0,
+    };
+}
+
 // ---- Surveys ------------------------------------------------------------------------------------------
 
 static LsResult add_survey(const Chooser* chooser, uint32_t object, uint32_t grid, LsError* error)
@@ -96,6 +105,7 @@ static LsResult add_survey(const Chooser* chooser, uint32_t object, uint32_t gri
         const LsSurveyDesc how = {
             .samples = (uint32_t)fmin(fmax(share, FEWEST_SAMPLES), MOST_SAMPLES),
             .patches = desc->patches,
+            .rule = desc->rule,
             .weights = desc->weights,
             .threads = desc->threads,
         };
@@ -201,7 +211,7 @@ static Total offer_at(const Chooser* chooser, uint32_t object, int survey, doubl
     const double weight = chooser->choices[object].weight;
     const LsOffer offer = ls_survey_offer(&chooser->objects[object].surveys[survey],
                                           chooser->desc->patches, price / weight);
-    return (Total){.cost = weight * ls_work_cost(&offer.work), .bytes = offer.bytes};
+    return (Total){.cost = weight * offer.work, .bytes = offer.bytes};
 }
 
 // Of every object the survey of the least cost at a price.

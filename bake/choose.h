@@ -1,9 +1,9 @@
 // choose.h - what a bake is to make of every object: cells, and a price of bytes by expected work
 // and memory.
 //
-// One price for the whole scene divides memory where it saves most: each object takes the grid, and
-// each voxel the N, of the least work of a line + price * bytes. Lines meet objects with the ratio
-// of their boxes' surfaces.
+// One price for the whole scene divides memory where it saves most: each object takes the grid,
+// each crowded voxel a sub-grid or a BVH, and each voxel the N, of the least work of a line + price
+// * bytes. Lines meet objects with the ratio of their boxes' surfaces.
 
 #ifndef LS_CHOOSE_H
 #define LS_CHOOSE_H
@@ -28,8 +28,9 @@ typedef struct LsChooseDesc
     // memory must save a twelfth of the work.
     uint64_t memory;
     uint64_t fixed_bytes;
-    uint32_t grid;                 // cells along the longest side of all objects; 0: chosen
-    uint32_t patches;              // the most N, 1..LS_MAX_CHOSEN_PATCHES
+    uint32_t grid;    // cells along the longest side of all objects; 0: chosen
+    uint32_t patches; // the most N, 1..LS_MAX_CHOSEN_PATCHES
+    LsDivisionRule rule;
     const LsShaftWeights* weights; // of each N from 1 on, borrowed
     uint32_t threads;              // >= 1
     uint64_t max_memory;           // of this process, as LsBakeDesc.max_memory
@@ -38,6 +39,9 @@ typedef struct LsChooseDesc
 
 // What the description asks for, defaults filled in.
 LsPatchesChoice ls_patches_choice(const LsBakeDesc* desc);
+
+// The same of voxels.
+LsDivisionRule ls_division_rule(const LsBakeDesc* desc);
 
 // choices: input->mesh_count. Errors: LIMIT_BUDGET (even the least that the scene takes is more
 // than the memory), LIMIT_MEMORY, and those of ls_voxels_create. Of several grids one that holds

@@ -31,6 +31,9 @@ double ls_cell_visits(const LsGridFrame* frame);
 // since lines come to a cell from where skips end (test_choose.c).
 double ls_expected_steps(const LsVoxels* voxels);
 
+// Steps of a line in the block of a sub-grid that it visits.
+double ls_subgrid_steps(const LsCellBlock* block);
+
 // In triangle tests.
 double ls_work_cost(const LsWork* work);
 

@@ -2,6 +2,7 @@
 
 #include "source_hash.h"
 
+#include "choose.h"
 #include "import/import.h"
 #include "ls_format.h"
 #include "ls_messages.h"
@@ -17,7 +18,7 @@
 #include <xxhash.h>
 
 // Goes up whenever equal inputs give other bytes.
-#define BAKE_REVISION 8
+#define BAKE_REVISION 9
 
 #define BLOCK_BYTES (16u << 20)
 #define PIECE_BYTES (256u << 10) // read at once: stays in the cache of a core
@@ -122,11 +123,13 @@ static void add_bytes(XXH3_state_t* state, const void* bytes, uint64_t size)
 
 static void add_options(XXH3_state_t* state, const LsBakeDesc* desc, const LsPatchesChoice* choice)
 {
-    const uint32_t numbers[] = {LS_FORMAT_MAJOR,       LS_FORMAT_MINOR,    LS_VERSION_MAJOR,
-                                LS_VERSION_MINOR,      BAKE_REVISION,      desc->grid,
-                                choice->patches,       choice->chosen,     choice->by_work,
-                                desc->keep_degenerate, desc->normals,      desc->no_weld,
-                                desc->input_count,     desc->scene_patches};
+    const LsDivisionRule rule = ls_division_rule(desc);
+    const uint32_t numbers[] = {LS_FORMAT_MAJOR,       LS_FORMAT_MINOR,     LS_VERSION_MAJOR,
+                                LS_VERSION_MINOR,      BAKE_REVISION,       desc->grid,
+                                choice->patches,       choice->chosen,      choice->by_work,
+                                desc->keep_degenerate, desc->normals,       desc->no_weld,
+                                desc->input_count,     desc->scene_patches, rule.above,
+                                rule.is_weighed};
     const uint64_t memory[] = {desc->memory};
     const double measures[] = {desc->normals == LS_NORMALS_SMOOTH ? desc->smooth_angle : 0.0,
                                choice->byte_price};

@@ -4,7 +4,9 @@
 #include "subdivide.h"
 
 #include "bvh.h"
+#include "cost_model.h"
 #include "overlap.h"
+#include "shaft_cost.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -20,6 +22,7 @@ typedef struct Pending
     uint32_t count;
     uint32_t parent; // local block
     uint32_t slot;   // the voxel's place in tree->voxels, or LS_NONE for the grid's own
+    uint32_t former; // its block in divider->former; LS_NONE: none
 } Pending;
 
 typedef struct Divider
@@ -28,6 +31,10 @@ typedef struct Divider
     const LsMesh* mesh;
     const LsGridFrame* frame;
     double grow;
+    uint32_t above; // triangles of voxels that are divided, if that pays
+    bool is_weighed;
+    const LsSubtree* former; // all that pays, of which no more is divided than is kept; or NULL
+    const bool* kept;        // of its blocks
     uint64_t held; // references of voxels that are not divided, those in the queue among them
     uint64_t most; // of them
     Pending* queue;
@@ -141,6 +148,15 @@ static bool division_pays(Divider* divider, const Pending* pending, uint32_t cou
     return pays;
 }
 
+static bool is_divided(Divider* divider, const Pending* pending, uint32_t counts[LS_BLOCK_CELLS],
+                       bool* memory)
+{
+    const bool may_be = divider->former != NULL
+                            ? pending->former != LS_NONE && divider->kept[pending->former]
+                            : pending->count > divider->above;
+    return may_be && division_pays(divider, pending, counts, memory);
+}
+
 // Octant distances of a 4^3 block by its filled cells; outside counts as empty.
 static uint32_t distance_word(uint64_t filled, int x, int y, int z)
 {
@@ -208,6 +224,87 @@ static bool make_bvh(Divider* divider, LsWorkVoxel* voxel, uint32_t* references,
     free(order);
     free(permuted);
     return ok;
+}
+
+static double bvh_work(const LsBvhNode* nodes, const LsWorkVoxel* voxel)
+{
+    return ls_voxel_visits(voxel) *
+           (LS_STEP_COST * ls_leaf_bvh_boxes(nodes, voxel) + ls_leaf_bvh_tests(nodes, voxel));
+}
+
+// What a voxel that is divided would be with a BVH.
+static bool weigh_whole(Divider* divider, const Pending* pending, LsDivision* division)
+{
+    LsSubtree* tree = divider->tree;
+    LsWorkVoxel voxel = pending->voxel;
+    uint32_t* references = malloc(sizeof(uint32_t) * pending->count);
+    if (references == NULL)
+    {
+        return false;
+    }
+    memcpy(references, pending->references, sizeof(uint32_t) * pending->count);
+    const uint32_t before = tree->leaf_node_count;
+    const bool ok = make_bvh(divider, &voxel, references, pending->count);
+    if (ok)
+    {
+        *division = (LsDivision){
+            .parent = pending->parent,
+            .whole_work = bvh_work(tree->leaf_nodes + before, &voxel),
+            .whole_bytes = sizeof(uint32_t) * (uint64_t)pending->count +
+                           sizeof(LsBvhNode) * (uint64_t)(tree->leaf_node_count - before),
+        };
+        tree->leaf_node_count = before;
+    }
+    free(references);
+    return ok;
+}
+
+// What a voxel of a sub-grid adds to it.
+static void weigh_child(LsDivision* division, const LsSubtree* tree, const LsWorkVoxel* voxel)
+{
+    const double visits = ls_voxel_visits(voxel);
+    division->divided_bytes +=
+        sizeof(LsVoxel) + sizeof(uint32_t) * (uint64_t)voxel->reference_count;
+    switch (voxel->kind)
+    {
+    case LS_VOXEL_LIST:
+        division->divided_work += visits * voxel->reference_count;
+        break;
+    case LS_VOXEL_BVH:
+        division->divided_work += bvh_work(tree->leaf_nodes + voxel->table, voxel);
+        division->divided_bytes +=
+            sizeof(LsBvhNode) * (uint64_t)tree->leaf_nodes[voxel->table].escape;
+        break;
+    case LS_VOXEL_MASKS:
+        division->mask_visits += visits;
+        division->mask_tests += visits * voxel->reference_count;
+        division->mask_references += voxel->reference_count;
+        break;
+    default: // a sub-grid, which is a division of its own
+        break;
+    }
+}
+
+// What the sub-grids are, once all is settled.
+static void weigh_divided(const LsSubtree* tree)
+{
+    for (uint32_t b = 0; b < tree->block_count; b++)
+    {
+        const LsCellBlock* block = &tree->blocks[b];
+        LsDivision* division = &tree->divisions[b];
+        double visits = 0.0; // of its voxel: 16 times those of any of its cells
+        division->divided_bytes = sizeof(LsCellBlock) + sizeof(uint32_t);
+        for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+        {
+            if ((block->cells[c] & 15u) == 0)
+            {
+                const LsWorkVoxel* child = &tree->voxels[block->cells[c] >> 4];
+                visits = 16.0 * ls_voxel_visits(child);
+                weigh_child(division, tree, child);
+            }
+        }
+        division->divided_work += visits * LS_STEP_COST * ls_subgrid_steps(block);
+    }
 }
 
 static bool append_references(Divider* divider, LsWorkVoxel* voxel, const uint32_t* references,
@@ -280,12 +377,20 @@ static bool make_children(Divider* divider, const Pending* pending, uint32_t blo
         }
         tree->blocks[block].cells[c] = tree->voxel_count << 4;
         uint32_t slot = tree->voxel_count++;
+        uint32_t former = LS_NONE;
+        if (divider->former != NULL)
+        {
+            const LsSubtree* all = divider->former;
+            const LsWorkVoxel* same = &all->voxels[all->blocks[pending->former].cells[c] >> 4];
+            former = same->kind == LS_VOXEL_SUBGRID ? same->table : LS_NONE;
+        }
         tree->voxels[slot] = child;
         Pending next = {.voxel = child,
                         .references = references,
                         .count = count,
                         .parent = block,
-                        .slot = slot};
+                        .slot = slot,
+                        .former = former};
         if (!push(divider, next))
         {
             free(references);
@@ -301,23 +406,26 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     LsSubtree* tree = divider->tree;
     bool is_grid = pending->slot == LS_NONE;
     *voxel = pending->voxel;
-    if (pending->count <= LS_MASK_TRIANGLES)
-    {
-        voxel->kind = ls_voxel_kind(pending->count);
-        return is_grid || append_references(divider, voxel, pending->references, pending->count);
-    }
     uint32_t counts[LS_BLOCK_CELLS];
     bool memory = true;
-    if (!division_pays(divider, pending, counts, &memory))
+    if (!is_divided(divider, pending, counts, &memory))
     {
-        return memory && make_bvh(divider, voxel, pending->references, pending->count) &&
+        voxel->kind = ls_voxel_kind(pending->count);
+        const bool ok = pending->count <= LS_MASK_TRIANGLES ||
+                        make_bvh(divider, voxel, pending->references, pending->count);
+        return memory && ok &&
                (is_grid || append_references(divider, voxel, pending->references, pending->count));
     }
     uint32_t block = tree->block_count;
     uint32_t parents_capacity = divider->block_capacity;
+    uint32_t divisions_capacity = divider->block_capacity;
     if (!reserve((void**)&tree->blocks, &divider->block_capacity, (uint64_t)block + 1,
                  sizeof(LsCellBlock)) ||
-        !reserve((void**)&tree->parents, &parents_capacity, (uint64_t)block + 1, sizeof(uint32_t)))
+        !reserve((void**)&tree->parents, &parents_capacity, (uint64_t)block + 1,
+                 sizeof(uint32_t)) ||
+        (divider->is_weighed && (!reserve((void**)&tree->divisions, &divisions_capacity,
+                                          (uint64_t)block + 1, sizeof(LsDivision)) ||
+                                 !weigh_whole(divider, pending, &tree->divisions[block]))))
     {
         return false;
     }
@@ -330,11 +438,72 @@ static bool settle(Divider* divider, Pending* pending, LsWorkVoxel* voxel)
     return make_children(divider, pending, block, counts);
 }
 
+// Settles a voxel of the grid and all below it.
+static bool settle_all(Divider* divider, Pending root, LsWorkVoxel* voxel)
+{
+    bool ok = settle(divider, &root, voxel);
+    for (uint32_t i = 0; i < divider->queue_count; i++)
+    {
+        Pending pending = divider->queue[i];
+        LsWorkVoxel settled = pending.voxel;
+        ok = ok && settle(divider, &pending, &settled);
+        if (ok)
+        {
+            divider->tree->voxels[pending.slot] = settled;
+        }
+        free(pending.references);
+    }
+    free(divider->queue);
+    free(divider->touched);
+    LsSubtree* tree = divider->tree;
+    if (tree->leaf_node_count == 0) // but room for those that were weighed
+    {
+        free(tree->leaf_nodes);
+        tree->leaf_nodes = NULL;
+    }
+    return ok;
+}
+
+// Divides once more, and no more than is worth its bytes.
+static bool settle_worthy(const Divider* divider, Pending root, double price, LsWorkVoxel* voxel)
+{
+    LsSubtree all = *divider->tree;
+    double* costs = malloc(sizeof(double) * all.block_count);
+    bool* kept = malloc(sizeof(bool) * all.block_count);
+    bool ok = costs != NULL && kept != NULL, is_all = true;
+    if (ok)
+    {
+        ls_divisions_choose(all.divisions, all.block_count, price, costs, kept);
+    }
+    for (uint32_t i = 0; ok && i < all.block_count; i++)
+    {
+        is_all = is_all && kept[i];
+    }
+    if (ok && !is_all)
+    {
+        *divider->tree = (LsSubtree){0};
+        Divider again = {.tree = divider->tree,
+                         .mesh = divider->mesh,
+                         .frame = divider->frame,
+                         .grow = divider->grow,
+                         .former = &all,
+                         .kept = kept,
+                         .held = root.count,
+                         .most = UINT64_MAX};
+        ok = settle_all(&again, root, voxel);
+        ls_subtree_destroy(&all);
+    }
+    free(costs);
+    free(kept);
+    return ok;
+}
+
 bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
-                       const LsGridFrame* frame, uint64_t most, uint32_t* references)
+                       const LsGridFrame* frame, const LsDivisionRule* rule, uint64_t most,
+                       uint32_t* references)
 {
     *tree = (LsSubtree){0};
-    if (voxel->reference_count <= LS_MASK_TRIANGLES)
+    if (voxel->reference_count <= rule->above && voxel->reference_count <= LS_MASK_TRIANGLES)
     {
         voxel->kind = ls_voxel_kind(voxel->reference_count);
         return true;
@@ -343,27 +512,21 @@ bool ls_subtree_create(LsSubtree* tree, LsWorkVoxel* voxel, const LsMesh* mesh,
                        .mesh = mesh,
                        .frame = frame,
                        .grow = frame->bound * (1.0 + 1e-6),
+                       .above = rule->above,
+                       .is_weighed = rule->is_weighed,
                        .held = voxel->reference_count,
                        .most = most};
-    Pending root = {.voxel = *voxel,
-                    .references = references,
-                    .count = voxel->reference_count,
-                    .parent = LS_NONE,
-                    .slot = LS_NONE};
-    bool ok = settle(&divider, &root, voxel);
-    for (uint32_t i = 0; i < divider.queue_count; i++)
+    const Pending root = {.voxel = *voxel,
+                          .references = references,
+                          .count = voxel->reference_count,
+                          .parent = LS_NONE,
+                          .slot = LS_NONE};
+    bool ok = settle_all(&divider, root, voxel);
+    if (ok && rule->is_weighed && tree->block_count > 0)
     {
-        Pending pending = divider.queue[i];
-        LsWorkVoxel settled = pending.voxel;
-        ok = ok && settle(&divider, &pending, &settled);
-        if (ok)
-        {
-            tree->voxels[pending.slot] = settled;
-        }
-        free(pending.references);
+        weigh_divided(tree);
+        ok = rule->price == 0.0 || settle_worthy(&divider, root, rule->price, voxel);
     }
-    free(divider.queue);
-    free(divider.touched);
     return ok;
 }
 
@@ -374,5 +537,6 @@ void ls_subtree_destroy(LsSubtree* tree)
     free(tree->voxels);
     free(tree->references);
     free(tree->leaf_nodes);
+    free(tree->divisions);
     *tree = (LsSubtree){0};
 }

@@ -13,7 +13,7 @@ static bool list_voxels(LsSurvey* survey, const LsVoxels* voxels, uint32_t** lis
 {
     *listed = malloc(sizeof(uint32_t) * (voxels->voxel_count + 1ull));
     *listed_count = 0;
-    const double cell = ls_cell_visits(&voxels->frame);
+    const double cell = survey->visits;
     for (uint32_t i = 0; *listed != NULL && i < voxels->voxel_count; i++)
     {
         const LsWorkVoxel* voxel = &voxels->voxels[i];
@@ -21,10 +21,10 @@ static bool list_voxels(LsSurvey* survey, const LsVoxels* voxels, uint32_t** lis
         switch (voxel->kind)
         {
         case LS_VOXEL_LIST:
-            survey->tests += visits * voxel->reference_count;
+            survey->work += visits * voxel->reference_count;
             break;
         case LS_VOXEL_BVH:
-            survey->tests += visits * ls_leaf_bvh_tests(voxels->leaf_nodes + voxel->table, voxel);
+            survey->work += visits * ls_leaf_bvh_tests(voxels->leaf_nodes + voxel->table, voxel);
             break;
         case LS_VOXEL_MASKS:
             (*listed)[(*listed_count)++] = i;
@@ -71,7 +71,6 @@ static void sample_voxel(Sampler* sampler, LsSurveyVoxel* sample, const LsWorkVo
 static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh* mesh,
                           const uint32_t* listed, const LsSurveyDesc* desc)
 {
-    const double cell = ls_cell_visits(&voxels->frame);
     bool ok = true;
 #pragma omp parallel num_threads(desc->threads) reduction(&& : ok)
     {
@@ -82,7 +81,8 @@ static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh
         {
             const LsWorkVoxel* voxel = &voxels->voxels[listed[(uint64_t)(i * survey->each)]];
             LsSurveyVoxel* sample = &survey->voxels[i];
-            sample->visits = cell * ls_voxel_visits(voxel);
+            sample->subgrid = LS_NONE;
+            sample->visits = survey->visits * ls_voxel_visits(voxel);
             if (ok)
             {
                 sample_voxel(&sampler, sample, voxel, desc->weights, desc->patches);
@@ -94,7 +94,51 @@ static bool sample_voxels(LsSurvey* survey, const LsVoxels* voxels, const LsMesh
     return ok;
 }
 
-static bool take_samples(LsSurvey* survey, const LsVoxels* voxels, const LsMesh* mesh,
+// The voxels of each sub-grid are numbered in a row.
+static void find_subgrids(LsSurvey* survey, const LsVoxels* voxels, const uint32_t* listed)
+{
+    const LsCellBlock* blocks =
+        voxels->cell_blocks + (voxels->cell_block_count - voxels->subgrid_count);
+    uint32_t sample = 0;
+    while (sample < survey->voxel_count &&
+           voxels->voxels[listed[(uint64_t)(sample * survey->each)]].level == 0)
+    {
+        sample++;
+    }
+    for (uint32_t s = 0; s < voxels->subgrid_count; s++)
+    {
+        uint32_t last = 0;
+        for (uint32_t c = 0; c < LS_BLOCK_CELLS; c++)
+        {
+            const uint32_t word = blocks[s].cells[c];
+            last = (word & 15u) == 0 ? word >> 4 : last;
+        }
+        for (; sample < survey->voxel_count && listed[(uint64_t)(sample * survey->each)] <= last;
+             sample++)
+        {
+            survey->voxels[sample].subgrid = s;
+        }
+    }
+}
+
+// Sets the divisions apart from the rest.
+static bool take_divisions(LsSurvey* survey, LsVoxels* voxels, const uint32_t* listed)
+{
+    find_subgrids(survey, voxels, listed);
+    survey->divisions = voxels->divisions;
+    survey->division_count = voxels->subgrid_count;
+    voxels->divisions = NULL;
+    survey->costs = malloc(sizeof(double) * (survey->division_count + 1ull));
+    survey->kept = malloc(sizeof(bool) * (survey->division_count + 1ull));
+    for (uint32_t i = 0; i < survey->division_count; i++)
+    {
+        survey->work -= survey->visits * survey->divisions[i].divided_work;
+        survey->bytes -= survey->divisions[i].divided_bytes;
+    }
+    return survey->costs != NULL && survey->kept != NULL;
+}
+
+static bool take_samples(LsSurvey* survey, LsVoxels* voxels, const LsMesh* mesh,
                          const LsSurveyDesc* desc)
 {
     uint32_t *listed, listed_count;
@@ -105,7 +149,8 @@ static bool take_samples(LsSurvey* survey, const LsVoxels* voxels, const LsMesh*
     survey->voxel_count = listed_count < desc->samples ? listed_count : desc->samples;
     survey->each = survey->voxel_count > 0 ? (double)listed_count / survey->voxel_count : 1.0;
     survey->voxels = calloc(survey->voxel_count + 1ull, sizeof *survey->voxels);
-    const bool ok = survey->voxels != NULL && sample_voxels(survey, voxels, mesh, listed, desc);
+    const bool ok = survey->voxels != NULL && sample_voxels(survey, voxels, mesh, listed, desc) &&
+                    (voxels->divisions == NULL || take_divisions(survey, voxels, listed));
     free(listed);
     return ok;
 }
@@ -116,13 +161,14 @@ LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid,
     *survey = (LsSurvey){.grid = grid};
     LsVoxels voxels;
     LsResult result =
-        ls_voxels_create(&voxels, mesh, grid, LS_MAX_DEPTH, desc->threads, NULL, error);
+        ls_voxels_create(&voxels, mesh, grid, &desc->rule, desc->threads, NULL, error);
     if (result != LS_OK)
     {
         return result;
     }
     survey->bytes = sizeof(LsTriangle) * (uint64_t)mesh->triangle_count + ls_voxels_bytes(&voxels);
-    survey->steps = ls_expected_steps(&voxels);
+    survey->visits = ls_cell_visits(&voxels.frame);
+    survey->work = LS_STEP_COST * ls_expected_steps(&voxels);
     if (!take_samples(survey, &voxels, mesh, desc))
     {
         ls_survey_destroy(survey);
@@ -136,6 +182,9 @@ LsResult ls_survey_create(LsSurvey* survey, const LsMesh* mesh, uint32_t grid,
 void ls_survey_destroy(LsSurvey* survey)
 {
     free(survey->voxels);
+    free(survey->divisions);
+    free(survey->costs);
+    free(survey->kept);
     *survey = (LsSurvey){0};
 }
 
@@ -164,18 +213,45 @@ static uint32_t find_patches(const LsSurveyVoxel* voxel, uint32_t most, double p
     return best;
 }
 
+// What is divided and what is whole, without masks. Bytes are whole numbers, so they are exact.
+static void add_divisions(const LsSurvey* survey, double price, LsOffer* offer)
+{
+    ls_divisions_choose(survey->divisions, survey->division_count, price / survey->visits,
+                        survey->costs, survey->kept);
+    double work = 0.0;
+    for (uint32_t i = 0; i < survey->division_count; i++)
+    {
+        const LsDivision* division = &survey->divisions[i];
+        const bool is_there = division->parent == LS_NONE || survey->kept[division->parent];
+        if (survey->kept[i])
+        {
+            work += division->divided_work;
+            offer->bytes += (double)division->divided_bytes;
+        }
+        else if (is_there)
+        {
+            work += division->whole_work;
+            offer->bytes += (double)division->whole_bytes;
+        }
+    }
+    offer->work += survey->visits * work;
+}
+
 LsOffer ls_survey_offer(const LsSurvey* survey, uint32_t patches, double price)
 {
-    LsOffer offer = {.work = {.steps = survey->steps, .tests = survey->tests},
-                     .bytes = (double)survey->bytes};
+    LsOffer offer = {.work = survey->work, .bytes = (double)survey->bytes};
+    add_divisions(survey, price, &offer);
     for (uint32_t i = 0; i < survey->voxel_count; i++)
     {
         const LsSurveyVoxel* voxel = &survey->voxels[i];
-        const uint32_t n = find_patches(voxel, patches, price);
-        const double visits = survey->each * voxel->visits;
-        offer.work.lookups += n > 0 ? visits : 0.0;
-        offer.work.tests += visits * voxel->tests[n];
-        offer.bytes += n > 0 ? survey->each * table_bytes(n, voxel->count) : 0.0;
+        const bool is_there = voxel->subgrid == LS_NONE || survey->kept[voxel->subgrid];
+        if (is_there)
+        {
+            const uint32_t n = find_patches(voxel, patches, price);
+            const double lookup = n > 0 ? LS_LOOKUP_COST : 0.0;
+            offer.work += survey->each * voxel->visits * (lookup + voxel->tests[n]);
+            offer.bytes += n > 0 ? survey->each * table_bytes(n, voxel->count) : 0.0;
+        }
     }
     return offer;
 }

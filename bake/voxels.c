@@ -4,6 +4,7 @@
 
 #include "bvh.h"
 #include "copies.h"
+#include "cost_model.h"
 #include "distances.h"
 #include "overlap.h"
 #include "subdivide.h"
@@ -110,6 +111,7 @@ typedef struct Build
 {
     LsVoxels* out;
     const LsMesh* mesh;
+    const LsDivisionRule* rule;
     uint32_t threads;
     const LsStageProgress* progress;
     double grow;
@@ -372,6 +374,8 @@ static LsResult divide_voxels(Build* build, LsError* error)
     const double growth = CROWDED_SUBGRIDS *
                           (double)count_bearable(build->mesh, &out->frame, out->voxel_count) /
                           ((double)build->grid_references + 1.0);
+    LsDivisionRule rule = *build->rule;
+    rule.price /= ls_cell_visits(&out->frame);
     bool ok = true;
 #pragma omp parallel for schedule(dynamic, 16) num_threads(build->threads) reduction(&& : ok)
     for (uint32_t i = 0; i < out->voxel_count; i++)
@@ -386,8 +390,8 @@ static LsResult divide_voxels(Build* build, LsError* error)
         uint32_t* references = build->references + voxel->first_reference;
         sort_words(references, voxel->reference_count);
         const uint64_t most = (uint64_t)(growth * voxel->reference_count);
-        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, most,
-                                     references);
+        ok = ok && ls_subtree_create(&build->subtrees[i], voxel, build->mesh, &out->frame, &rule,
+                                     most, references);
     }
     return ok ? LS_OK : report_memory(error);
 }
@@ -420,10 +424,12 @@ static LsResult join_subtrees(Build* build, LsError* error)
     out->subgrids = malloc((subgrids + 1) * sizeof(uint32_t));
     out->references = malloc((references + 1) * sizeof(uint32_t));
     out->leaf_nodes = malloc((leaf_nodes + 1) * sizeof(LsBvhNode));
+    const bool is_told = build->rule->is_weighed && build->rule->price == 0.0;
+    out->divisions = is_told ? malloc((subgrids + 1) * sizeof(LsDivision)) : NULL;
     LsWorkVoxel* all = realloc(out->voxels, (voxels + 1) * sizeof(LsWorkVoxel));
     out->voxels = all != NULL ? all : out->voxels;
     if (out->cell_blocks == NULL || out->subgrids == NULL || out->references == NULL ||
-        out->leaf_nodes == NULL || all == NULL)
+        out->leaf_nodes == NULL || (is_told && out->divisions == NULL) || all == NULL)
     {
         return report_memory(error);
     }
@@ -474,8 +480,13 @@ static LsResult join_subtrees(Build* build, LsError* error)
                 words->cells[c] += link ? out->voxel_count << 4 : 0;
             }
             uint32_t above = tree->parents[b];
-            out->subgrids[block + b - build->grid_blocks] =
-                above == LS_NONE ? parent : block + above;
+            const uint32_t subgrid = block + b - build->grid_blocks;
+            out->subgrids[subgrid] = above == LS_NONE ? parent : block + above;
+            if (is_told)
+            {
+                out->divisions[subgrid] = tree->divisions[b];
+                out->divisions[subgrid].parent = above == LS_NONE ? LS_NONE : subgrid - b + above;
+            }
         }
         for (uint32_t v = 0; v < tree->voxel_count; v++)
         {
@@ -591,15 +602,17 @@ static bool must_be_crowded(const LsMesh* mesh, const uint8_t* copies, uint32_t 
 }
 
 // One attempt. *crowded tells that the grid is to be halved; voxels is then empty.
-static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
-                         uint8_t* copies, uint32_t threads, const LsStageProgress* progress,
-                         bool* crowded, LsError* error)
+static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
+                         const LsDivisionRule* rule, uint8_t* copies, uint32_t threads,
+                         const LsStageProgress* progress, bool* crowded, LsError* error)
 {
     *voxels = (LsVoxels){.frame = ls_grid_frame(mesh, grid)};
-    voxels->frame.depth = voxels->frame.depth < most_depth ? voxels->frame.depth : most_depth;
+    voxels->frame.depth =
+        voxels->frame.depth < rule->most_depth ? voxels->frame.depth : rule->most_depth;
     // The slack keeps the rounding of double on the safe side of e.
     Build build = {.out = voxels,
                    .mesh = mesh,
+                   .rule = rule,
                    .threads = threads,
                    .progress = progress,
                    .grow = voxels->frame.bound * (1.0 + 1e-6),
@@ -623,8 +636,9 @@ static LsResult try_grid(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, ui
     return result;
 }
 
-LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error)
+LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
+                          const LsDivisionRule* rule, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error)
 {
     *voxels = (LsVoxels){0};
     uint8_t* copies = ls_find_copies(mesh);
@@ -641,8 +655,7 @@ LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, u
     LsResult result = LS_OK;
     for (; crowded && result == LS_OK; cells /= 2)
     {
-        result =
-            try_grid(voxels, mesh, cells, most_depth, copies, threads, progress, &crowded, error);
+        result = try_grid(voxels, mesh, cells, rule, copies, threads, progress, &crowded, error);
     }
     free(copies);
     return result;
@@ -656,6 +669,7 @@ void ls_voxels_destroy(LsVoxels* voxels)
     free(voxels->voxels);
     free(voxels->references);
     free(voxels->leaf_nodes);
+    free(voxels->divisions);
     *voxels = (LsVoxels){0};
 }
 

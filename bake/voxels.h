@@ -5,6 +5,7 @@
 #ifndef LS_VOXELS_H
 #define LS_VOXELS_H
 
+#include "division.h"
 #include "grid_frame.h"
 #include "progress.h"
 
@@ -24,16 +25,17 @@ typedef struct LsVoxels
     uint32_t reference_count;
     LsBvhNode* leaf_nodes;
     uint32_t leaf_node_count;
-    uint32_t depth; // deepest level in use
+    LsDivision* divisions; // of the sub-grids, if they are weighed at no price; else NULL
+    uint32_t depth;        // deepest level in use
 } LsVoxels;
 
 // Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see
-// voxels->frame. Copies (ls_find_copies) are named by no voxel. Sub-grids are no deeper than
-// `most_depth`, LS_MAX_DEPTH at most; what would be divided further is a BVH. The result does not
-// depend on `threads`. `progress` may be NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or
-// references than the format counts).
-LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid, uint32_t most_depth,
-                          uint32_t threads, const LsStageProgress* progress, LsError* error);
+// voxels->frame. Copies (ls_find_copies) are named by no voxel. What is not divided and has too many
+// triangles for masks is a BVH. The result does not depend on `threads`. `progress` may be NULL.
+// Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
+LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
+                          const LsDivisionRule* rule, uint32_t threads,
+                          const LsStageProgress* progress, LsError* error);
 void ls_voxels_destroy(LsVoxels* voxels);
 
 // Of its records in a file, without shaft tables and triangles.

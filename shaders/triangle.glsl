@@ -14,8 +14,8 @@
 // a loop its condition is asked again, in other words, lest the compiler knows the answer.
 bool ls_cut;
 
-// What a ray has come across, for LS_METHOD_COUNT: cells or empty cubes, shafts looked up, triangles tested.
-// Kernels that never read it do not count.
+// What a ray has come across, for LS_METHOD_COUNT: cells or empty cubes and boxes of BVHs in
+// voxels, shafts looked up, triangles tested. Kernels that never read it do not count.
 uvec3 ls_work;
 
 #define LS_INFINITY uintBitsToFloat(0x7F800000u)

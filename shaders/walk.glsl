@@ -264,6 +264,7 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     uint i = walk.leaf_node;
     while (i < node_count)
     {
+        ls_work.x++;
         LsBvhNode node = LS_LOAD_LEAF_NODE(first_node + i);
         bool met = ls_meets_box(walk.origin, inverse, mix(node.lower, -node.upper, falling),
                                 mix(node.upper, -node.lower, falling), s_first, s_limit);

@@ -36,7 +36,7 @@ ls_add_test(NAME test_scene_shafts SOURCES test_scene_shafts.c LIBRARIES ls_test
 ls_add_test(NAME test_distances SOURCES test_distances.c LIBRARIES ls_bake)
 target_include_directories(test_distances PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 
-ls_add_test(NAME test_choose SOURCES test_choose.c LIBRARIES ls_test_scenes)
+ls_add_test(NAME test_choose SOURCES test_choose.c hard_meshes.c LIBRARIES ls_test_scenes)
 target_include_directories(test_choose PRIVATE ${PROJECT_SOURCE_DIR}/bake)
 
 ls_add_test(NAME test_crowding SOURCES test_crowding.c hard_meshes.c LIBRARIES ls_test_scenes)

@@ -39,9 +39,9 @@ void ls_baked_open_desc(LsBaked* baked, const LsTestMesh* mesh, const char* name
     snprintf(stem, sizeof stem, "%s/%d-%s-%d", folder, (int)getpid(), name, (int)placement);
     bool alone = placement == LS_TEST_ALONE;
     snprintf(source, sizeof source, "%s.%s", stem, alone ? "ply" : "gltf");
-    snprintf(baked->path, sizeof baked->path, "%s-%u-%u%s-%u-%u.lspace", stem, options->grid,
+    snprintf(baked->path, sizeof baked->path, "%s-%u-%u%s-%u-%u-%u.lspace", stem, options->grid,
              options->patches, options->choose_patches ? "-chosen" : "", options->scene_patches,
-             options->threads);
+             options->divide_above, options->threads);
     if (alone)
     {
         ls_test_mesh_write_ply(mesh, source);

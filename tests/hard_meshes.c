@@ -89,32 +89,50 @@ static void put_sheet(LsTestMesh* mesh, uint32_t vertex, uint32_t triangle, uint
     }
 }
 
+static uint32_t count_ball_vertices(uint32_t rings)
+{
+    return 2 * (rings + 1) * rings;
+}
+
+static uint32_t count_ball_triangles(uint32_t rings)
+{
+    return 4 * rings * rings;
+}
+
+// From vertex and triangle on.
+static void put_ball(LsTestMesh* mesh, uint32_t vertex, uint32_t triangle, uint32_t rings,
+                     const double middle[3], double radius)
+{
+    const uint32_t sectors = 2 * rings;
+    for (uint32_t ring = 0; ring <= rings; ring++)
+    {
+        for (uint32_t sector = 0; sector < sectors; sector++)
+        {
+            const double u = PI * ring / rings, v = 2.0 * PI * sector / sectors;
+            put_vertex(mesh, vertex + ring * sectors + sector, middle[0] + radius * sin(u) * cos(v),
+                       middle[1] + radius * sin(u) * sin(v), middle[2] + radius * cos(u));
+            if (ring < rings)
+            {
+                const uint32_t next = (sector + 1) % sectors;
+                const uint32_t a = vertex + ring * sectors, b = a + sectors;
+                put_triangle(mesh, triangle++, a + sector, b + sector, b + next);
+                put_triangle(mesh, triangle++, a + sector, b + next, a + next);
+            }
+        }
+    }
+}
+
 static LsTestMesh make_stadium(uint32_t count)
 {
     enum
     {
         FLOOR = 10
     };
-    const uint32_t rings = (uint32_t)sqrt(count / 4.0) + 2, sectors = 2 * rings;
-    const uint32_t ball = (rings + 1) * sectors, ball_triangles = 2 * rings * sectors;
+    const uint32_t rings = (uint32_t)sqrt(count / 4.0) + 2;
+    const uint32_t ball = count_ball_vertices(rings), ball_triangles = count_ball_triangles(rings);
     LsTestMesh mesh =
         allocate(ball + (FLOOR + 1) * (FLOOR + 1), ball_triangles + 2 * FLOOR * FLOOR);
-    uint32_t triangle = 0;
-    for (uint32_t ring = 0; ring <= rings; ring++)
-    {
-        for (uint32_t sector = 0; sector < sectors; sector++)
-        {
-            const double u = PI * ring / rings, v = 2.0 * PI * sector / sectors;
-            put_vertex(&mesh, ring * sectors + sector, sin(u) * cos(v), sin(u) * sin(v), cos(u));
-            if (ring < rings)
-            {
-                const uint32_t next = (sector + 1) % sectors;
-                const uint32_t a = ring * sectors, b = a + sectors;
-                put_triangle(&mesh, triangle++, a + sector, b + sector, b + next);
-                put_triangle(&mesh, triangle++, a + sector, b + next, a + next);
-            }
-        }
-    }
+    put_ball(&mesh, 0, 0, rings, (const double[3]){0}, 1.0);
     put_sheet(&mesh, ball, ball_triangles, FLOOR, 20000.0, -1.01);
     return mesh;
 }
@@ -222,6 +240,26 @@ static LsTestMesh make_needles(uint32_t count, LsRandom* random)
     return mesh;
 }
 
+// Along a spiral, so that none lies in another.
+static LsTestMesh make_sizes(uint32_t count)
+{
+    enum
+    {
+        BALLS = 12
+    };
+    const uint32_t rings = (uint32_t)sqrt(count / 4.0 / BALLS) + 2;
+    const uint32_t vertices = count_ball_vertices(rings), triangles = count_ball_triangles(rings);
+    LsTestMesh mesh = allocate(BALLS * vertices, BALLS * triangles);
+    double radius = 1.0;
+    for (uint32_t i = 0; i < BALLS; i++)
+    {
+        const double middle[3] = {4.0 * cos(0.9 * i), 4.0 * sin(0.9 * i), 0.3 * i};
+        put_ball(&mesh, i * vertices, i * triangles, rings, middle, radius);
+        radius *= 0.6;
+    }
+    return mesh;
+}
+
 const char* ls_hard_mesh_name(LsHardMeshId id)
 {
     static const char* const names[] = {
@@ -253,6 +291,8 @@ LsTestMesh ls_hard_mesh_make(LsHardMeshId id, uint32_t count)
         return make_layers(count, 10);
     case LS_HARD_MESH_EQUAL:
         return make_equal(count);
+    case LS_HARD_MESH_SIZES:
+        return make_sizes(count);
     default:
         return make_needles(count, &random);
     }

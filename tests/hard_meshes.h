@@ -15,7 +15,8 @@
     X(FLAT, "flat")       /* a flat scene */                                                 \
     X(LAYERS, "layers")   /* the flat scene ten times over: coplanar duplicates */           \
     X(EQUAL, "equal")     /* one triangle, as often */                                       \
-    X(NEEDLES, "needles") /* needles across the whole box */
+    X(NEEDLES, "needles") /* needles across the whole box */                                 \
+    X(SIZES, "sizes")     /* twelve balls, each of 0.6 times the size of the one before */
 
 typedef enum LsHardMeshId
 {

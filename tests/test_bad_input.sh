@@ -196,7 +196,7 @@ check_bake()
     check 1005 "scene" lsbake -o out/scene.lspace
     check_options 1003 "--grid 0" "--grid 4097" "--grid x" "--grid -1" "--grid 3.5" "--patches 0" "--patches 17" \
         "--patches auto:0" "--patches auto:9" "--patches auto4" "--patches automatic" "--byte-price 0" "--byte-price -1" "--byte-price x" \
-        "--scene-shafts 0" "--scene-shafts 33" "--scene-shafts auto" \
+        "--scene-shafts 0" "--scene-shafts 33" "--scene-shafts auto" "--divide-above 2" "--divide-above 1000001" "--divide-above none" \
         "--threads 0" "--threads 99999999999999999999" "--scale 0" "--scale -1" "--scale 1e31" "--scale x" "--scale 0x10" \
         "--scale nan" "--scale inf" "--scale 1,5" "--size 0" "--size 1m" "--turn 361" "--at 0" "--at 0,1" "--at 0,1,2,3" \
         "--at 0,,2" "--at 1e31,0,0" "--at a,b,c" "--at 0,1,nan" "--max-memory 0" "--max-memory 4T" "--max-memory 1.5G" \

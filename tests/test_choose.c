@@ -3,6 +3,7 @@
 
 #include "baked.h"
 #include "cost_model.h"
+#include "hard_meshes.h"
 #include "ls_messages.h"
 #include "test_random.h"
 
@@ -16,6 +17,7 @@
 // clang-format on
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 // ---- Lines through a grid -------------------------------------------------------------------------------
@@ -164,11 +166,12 @@ static double count_steps(const LsFile* file, const Level* level, uint32_t block
 }
 
 // Lines of the model come to all cells alike, real ones to those where the skip before ends.
-static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
+static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid,
+                        uint32_t divide_above)
 {
     LsBaked baked;
     ls_baked_open_desc(&baked, mesh, name, LS_TEST_ALONE,
-                       &(LsBakeDesc){.grid = grid, .patches = 1});
+                       &(LsBakeDesc){.grid = grid, .patches = 1, .divide_above = divide_above});
     const LsObject* object = &baked.file.objects[0];
     const double cells[3] = {object->cells[0], object->cells[1], object->cells[2]};
     const Level level = {.width = 1.0,
@@ -189,8 +192,8 @@ static void check_steps(const LsTestMesh* mesh, const char* name, uint32_t grid)
         }
     }
     const double walked = sum / count, expected = baked.report.steps_per_line;
-    print_message("%s %u: expected %.3f steps of a line, walked %.3f\n", name, grid, expected,
-                  walked);
+    print_message("%s %u, divided above %u: expected %.3f steps of a line, walked %.3f\n", name,
+                  grid, divide_above, expected, walked);
     assert_true(fabs(expected / walked - 1.0) < 0.25);
     ls_baked_close(&baked);
 }
@@ -199,9 +202,12 @@ static void steps_are_those_of_lines(void** state)
 {
     (void)state;
     LsTestMesh bunny = ls_test_mesh_make(LS_TEST_MESH_BUNNY);
-    check_steps(&bunny, "steps", 16); // all of it divided
-    check_steps(&bunny, "steps", 64);
-    check_steps(&bunny, "steps", 200);
+    check_steps(&bunny, "steps", 16, 0);                   // all of it divided
+    check_steps(&bunny, "steps", 16, 3);                   // twice
+    check_steps(&bunny, "steps", 16, LS_MAX_DIVIDE_ABOVE); // BVHs
+    check_steps(&bunny, "steps", 64, 0);
+    check_steps(&bunny, "steps", 64, 6);
+    check_steps(&bunny, "steps", 200, 0);
     ls_test_mesh_destroy(&bunny);
     // A thin box, whose blocks mostly lie across its border.
     LsTestMesh ring = ls_test_mesh_make(LS_TEST_MESH_TEAPOT);
@@ -209,10 +215,10 @@ static void steps_are_those_of_lines(void** state)
     {
         ring.positions[3 * i + 1] *= 0.01f;
     }
-    check_steps(&ring, "thin", 100);
+    check_steps(&ring, "thin", 100, 0);
     ls_test_mesh_destroy(&ring);
     LsTestMesh hub = ls_test_mesh_make(LS_TEST_MESH_HUB); // BVHs
-    check_steps(&hub, "hub", 12);
+    check_steps(&hub, "hub", 12, 0);
     ls_test_mesh_destroy(&hub);
 }
 
@@ -328,6 +334,14 @@ static void what_is_given_stays(void** state)
         }
         ls_baked_close(&baked);
     }
+    static const uint32_t above[] = {8, LS_MAX_DIVIDE_ABOVE};
+    for (int i = 0; i < 2; i++)
+    {
+        ls_baked_open_desc(&baked, &mesh, "given", LS_TEST_ALONE,
+                           &(LsBakeDesc){.memory = 1 << 20, .divide_above = above[i]});
+        assert_int_equal(baked.report.subgrid_count > 0, i == 0);
+        ls_baked_close(&baked);
+    }
     // Scene shafts are part of the memory.
     ls_baked_open_desc(&baked, &mesh, "given", LS_TEST_ALONE,
                        &(LsBakeDesc){.memory = 2 << 20, .scene_patches = 8});
@@ -337,13 +351,137 @@ static void what_is_given_stays(void** state)
     ls_test_mesh_destroy(&mesh);
 }
 
+// ---- Divisions ----------------------------------------------------------------------------------------
+
+static double count_divisions(const LsDivision* divisions, uint32_t count, uint32_t kept,
+                              double price)
+{
+    double sum = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+    {
+        const LsDivision* division = &divisions[i];
+        bool is_there = true;
+        for (uint32_t k = division->parent; k != LS_NONE; k = divisions[k].parent)
+        {
+            is_there = is_there && (kept >> k & 1) != 0;
+        }
+        const bool is_kept = (kept >> i & 1) != 0;
+        sum += !is_there ? 0.0
+               : is_kept ? division->divided_work + price * (double)division->divided_bytes
+                         : division->whole_work + price * (double)division->whole_bytes;
+    }
+    return sum;
+}
+
+// Of all ways to keep some of the divisions none costs less.
+static void the_best_divisions_are_kept(void** state)
+{
+    (void)state;
+    enum
+    {
+        COUNT = 9
+    };
+    LsRandom random = {11};
+    uint32_t sums[2] = {0};
+    for (int round = 0; round < 300; round++)
+    {
+        LsDivision divisions[COUNT];
+        for (uint32_t i = 0; i < COUNT; i++)
+        {
+            const double parent = floor(ls_random_unit(&random) * (i + 1.0));
+            divisions[i] = (LsDivision){
+                .parent = parent < i ? (uint32_t)parent : LS_NONE,
+                .whole_work = ls_random_between(&random, 0.0, 10.0),
+                .divided_work = ls_random_between(&random, 0.0, 5.0),
+                .whole_bytes = (uint64_t)ls_random_between(&random, 0.0, 1000.0),
+                .divided_bytes = (uint64_t)ls_random_between(&random, 0.0, 1000.0),
+            };
+        }
+        const double price = round % 3 == 0 ? 0.0 : ls_random_between(&random, 0.0, 0.02);
+        double costs[COUNT], least = INFINITY;
+        bool kept[COUNT];
+        ls_divisions_choose(divisions, COUNT, price, costs, kept);
+        uint32_t chosen = 0;
+        for (uint32_t i = 0; i < COUNT; i++)
+        {
+            chosen |= (uint32_t)kept[i] << i;
+            assert_true(!kept[i] || divisions[i].parent == LS_NONE || kept[divisions[i].parent]);
+            sums[kept[i]]++;
+        }
+        for (uint32_t some = 0; some < 1u << COUNT; some++)
+        {
+            least = fmin(least, count_divisions(divisions, COUNT, some, price));
+        }
+        assert_true(count_divisions(divisions, COUNT, chosen, price) <= least + 1e-9);
+    }
+    assert_true(sums[0] > 200 && sums[1] > 200);
+}
+
+// The least memory that a scene takes, as the message tells it.
+static uint64_t read_least(const char* path, uint32_t divide_above)
+{
+    const LsBakeInput input = {.path = path};
+    const LsBakeDesc desc = {.inputs = &input,
+                             .input_count = 1,
+                             .output = LS_BINARY_DIR "/refused.lspace",
+                             .memory = 1,
+                             .divide_above = divide_above};
+    LsError error;
+    assert_int_equal(ls_bake_run(&desc, NULL, &error), LS_MESSAGE_LIMIT_BUDGET / 100);
+    assert_int_equal(error.message, LS_MESSAGE_LIMIT_BUDGET);
+    const char* takes = strstr(error.text, "takes ");
+    assert_non_null(takes);
+    return strtoull(takes + strlen("takes "), NULL, 10);
+}
+
+// Where memory is short, voxels that are not worth a sub-grid have a BVH: less memory is enough, to
+// the byte, and of the same the work is no more than if all were divided.
+static void divisions_are_chosen(void** state)
+{
+    (void)state;
+    static const char* path = LS_BINARY_DIR "/divisions.ply";
+    for (int i = 0; i < 3; i++)
+    {
+        LsTestMesh mesh =
+            i == 0 ? ls_test_mesh_make(LS_TEST_MESH_ELEPHANT)
+                   : ls_hard_mesh_make(i == 1 ? LS_HARD_MESH_HUB : LS_HARD_MESH_SIZES, 3000);
+        ls_test_mesh_write_ply(&mesh, path);
+        const uint64_t least = read_least(path, 0), before = read_least(path, LS_MASK_TRIANGLES);
+        print_message("%llu bytes at least, %llu if all are divided\n", (unsigned long long)least,
+                      (unsigned long long)before);
+        assert_true(least < before);
+        LsBaked baked;
+        ls_baked_open_desc(&baked, &mesh, "least", LS_TEST_ALONE, &(LsBakeDesc){.memory = least});
+        assert_int_equal(baked.report.memory_bytes, least);
+        assert_true(baked.report.voxel_kind_count[LS_VOXEL_BVH] > 0);
+        ls_baked_close(&baked);
+        for (uint64_t memory = before; memory < 3 * before; memory += before)
+        {
+            ls_baked_open_desc(&baked, &mesh, "divided", LS_TEST_ALONE,
+                               &(LsBakeDesc){.memory = memory, .divide_above = LS_MASK_TRIANGLES});
+            const double divided = count_work(&baked.report);
+            ls_baked_close(&baked);
+            ls_baked_open_desc(&baked, &mesh, "chosen", LS_TEST_ALONE,
+                               &(LsBakeDesc){.memory = memory});
+            print_message("%llu bytes: work %.3f, if all are divided %.3f\n",
+                          (unsigned long long)memory, count_work(&baked.report), divided);
+            const bool is_uneven = i == 2 && memory == before;
+            assert_true(count_work(&baked.report) <= (is_uneven ? 0.8 : 1.01) * divided);
+            ls_baked_close(&baked);
+        }
+        ls_test_mesh_destroy(&mesh);
+    }
+}
+
 static void threads_choose_alike(void** state)
 {
     (void)state;
     LsTestMesh mesh = ls_test_mesh_make(LS_TEST_MESH_ELEPHANT);
     static const uint32_t threads[3] = {1, 2, 8};
-    for (uint64_t memory = 0; memory <= 3 << 20; memory += 3 << 20)
+    static const uint64_t memories[3] = {0, 410 << 10, 3 << 20}; // the second: with BVHs
+    for (int m = 0; m < 3; m++)
     {
+        const uint64_t memory = memories[m];
         LsBaked baked[3];
         for (int i = 0; i < 3; i++)
         {
@@ -353,6 +491,7 @@ static void threads_choose_alike(void** state)
             assert_memory_equal(baked[i].mapping.bytes, baked[0].mapping.bytes,
                                 baked[0].mapping.size);
         }
+        assert_true(m != 1 || baked[0].report.voxel_kind_count[LS_VOXEL_BVH] > 0);
         for (int i = 0; i < 3; i++)
         {
             ls_baked_close(&baked[i]);
@@ -399,9 +538,10 @@ static void too_little_is_refused(void** state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(steps_are_those_of_lines), cmocka_unit_test(memory_is_kept_and_used),
-        cmocka_unit_test(choices_beat_a_search),    cmocka_unit_test(what_is_given_stays),
-        cmocka_unit_test(threads_choose_alike),     cmocka_unit_test(too_little_is_refused),
+        cmocka_unit_test(steps_are_those_of_lines),    cmocka_unit_test(memory_is_kept_and_used),
+        cmocka_unit_test(choices_beat_a_search),       cmocka_unit_test(what_is_given_stays),
+        cmocka_unit_test(the_best_divisions_are_kept), cmocka_unit_test(divisions_are_chosen),
+        cmocka_unit_test(threads_choose_alike),        cmocka_unit_test(too_little_is_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -57,6 +57,8 @@ static void test_wrong_desc(void** state)
           .choose_patches = true,
           .patches = LS_MAX_CHOSEN_PATCHES + 1},
          LS_MESSAGE_USAGE_NUMBER},
+        {{.inputs = &good, .input_count = 1, .output = "x", .divide_above = 2},
+         LS_MESSAGE_USAGE_NUMBER},
         {{.inputs = &good, .input_count = 1, .output = "x", .byte_price = -1.0},
          LS_MESSAGE_USAGE_NUMBER},
         {{.inputs = &good, .input_count = 1, .output = "x", .byte_price = NAN},

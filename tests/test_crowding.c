@@ -29,6 +29,7 @@ static const LsCrowdCase CASES[] = {
     {LS_HARD_MESH_NEEDLES, 0, true},  {LS_HARD_MESH_STADIUM, 200, false},
     {LS_HARD_MESH_HUB, 8, false},     {LS_HARD_MESH_EDGE, 5, false},
     {LS_HARD_MESH_EDGE, 4096, true},  {LS_HARD_MESH_NEEDLES, 4, false},
+    {LS_HARD_MESH_SIZES, 0, false},
 };
 
 // Filled cells of the grid itself.

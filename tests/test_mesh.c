@@ -636,6 +636,7 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
     LsError error = {0};
     LsShaftWeights weights[LS_MAX_PATCHES + 1];
     assert_true(ls_shaft_weights_create_all(weights, 1, 1));
+    const LsDivisionRule rule = {.above = LS_MASK_TRIANGLES, .most_depth = LS_MAX_DEPTH};
     for (uint32_t i = 0; i < input->mesh_count; i++)
     {
         LsMeshFindings findings;
@@ -644,9 +645,8 @@ static void pack_input(LsInput* input, bool with_grid, LsWorld* world, LsPack* p
             &error);
         if (with_grid)
         {
-            expect_ok(
-                ls_voxels_create(&objects[i].voxels, &meshes[i], 8, LS_MAX_DEPTH, 1, NULL, &error),
-                &error);
+            expect_ok(ls_voxels_create(&objects[i].voxels, &meshes[i], 8, &rule, 1, NULL, &error),
+                      &error);
             expect_ok(ls_voxels_order_triangles(&objects[i].voxels, &meshes[i], 1, &error), &error);
             expect_ok(ls_tables_create(&objects[i].tables, &objects[i].voxels, &meshes[i],
                                        &(LsPatchesChoice){.patches = 1}, weights, 1, NULL, &error),

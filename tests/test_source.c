@@ -326,8 +326,11 @@ static void options_move_the_hash(void** state)
                                  {DESC, .memory = 1000},
                                  {DESC, .memory = 1001},
                                  {DESC, .memory = 1000, .grid = 9},
+                                 {DESC, .memory = 1000, .divide_above = 32},
                                  {DESC, .memory = 1000, .choose_patches = true, .patches = 4},
                                  {DESC, .scene_patches = 1},
+                                 {DESC, .divide_above = 8},
+                                 {DESC, .divide_above = 64},
                                  {DESC, .no_weld = true},
                                  {DESC, .keep_degenerate = true},
                                  {DESC, .normals = LS_NORMALS_NONE},
@@ -362,7 +365,7 @@ static void options_move_the_hash(void** state)
     hash_inputs(&said, 1, hash);
     assert_memory_equal(hashes[0], hash, 16);
     const LsBakeDesc same[][2] = {
-        {{DESC, .grid = 9}, {DESC, .grid = 9, .patches = 2}},
+        {{DESC, .grid = 9}, {DESC, .grid = 9, .patches = 2, .divide_above = 32}},
         {{DESC, .choose_patches = true},
          {DESC, .choose_patches = true, .patches = 5, .byte_price = 0.001}},
         {{DESC, .memory = 1000}, {DESC, .memory = 1000, .choose_patches = true, .patches = 5}},

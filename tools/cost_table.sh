@@ -4,11 +4,11 @@
 #
 #     tools/cost_table.sh MODEL "GRID..." "SETTING..." >TABLE.csv
 #
-# A setting is N (--patches N), auto:N:PRICE (--patches auto:N --byte-price PRICE), or memory:S (--memory S), or default; of a
-# grid "-" no --grid is given. Bakes run ahead of the traces, whose times are
+# A setting is N (--patches N), auto:N:PRICE (--patches auto:N --byte-price PRICE), or memory:S (--memory S), or default; +T behind
+# it sets --divide-above T. Of a grid "-" no --grid is given. Bakes run ahead of the traces, whose times are
 # the device's own. Example:
 #
-#     tools/cost_table.sh scenes/bunny.ply "48 64 96" "2 3 auto:5:0.001"
+#     tools/cost_table.sh scenes/bunny.ply "48 64 96" "2 3 auto:5:0.001 auto:5:0.001+16"
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 if (($# != 3)); then
@@ -23,10 +23,12 @@ trap 'rm -rf "$folder"' EXIT
 bake_all() {
     local grid=$1 settings=$2 setting
     for setting in $settings; do
-        local options=(--patches "$setting")
-        [[ $setting != auto* ]] || options=(--patches "${setting%:*}" --byte-price "${setting##*:}")
-        [[ $setting != default ]] || options=()
-        [[ $setting != memory* ]] || options=(--memory "${setting##*:}")
+        local what=${setting%+*}
+        local options=(--patches "$what")
+        [[ $what != auto* ]] || options=(--patches "${what%:*}" --byte-price "${what##*:}")
+        [[ $what != default ]] || options=()
+        [[ $what != memory* ]] || options=(--memory "${what##*:}")
+        [[ $setting != *+* ]] || options+=(--divide-above "${setting##*+}")
         [[ $grid == - ]] || options+=(--grid "$grid")
         "$bin/lsbake" scenes/cornell.gltf "$model" --size 1.2 --at 0,-1,0 "${options[@]}" -o "$folder/$setting.lspace" \
             --report json >"$folder/$setting.json"

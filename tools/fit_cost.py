@@ -5,7 +5,8 @@
 
 Of each scene the GPU time of the three ray sets is fitted by a + b * (STEP * steps + LOOKUP * lookups + tests), a and b of its own,
 STEP and LOOKUP common to all: those of the least relative error, squared and summed over all bakes. Then for every bake with
---memory, and the default, the fastest other bake that takes no more.
+--memory, and the default, the fastest other bake that takes no more; with a setting that ends in +T, subdivision is not
+chosen, so it is one of the others.
 """
 import csv
 import math
@@ -79,7 +80,8 @@ def main():
     print("\n| scene | memory | chosen: cells | MB | ms | best: cells, setting | MB | ms | ratio |\n|---|---|---|---|---|---|---|---|---|")
     for scene, rows in sorted(scenes.items()):
         for row in rows:
-            if row["setting"] != "default" and not row["setting"].startswith("memory"):
+            chosen = row["setting"] == "default" or row["setting"].startswith("memory")
+            if not chosen or "+" in row["setting"]:
                 continue
             best = min((r for r in rows if r["bytes"] <= limit_of(row)), key=lambda r: r["ms"])
             print(f"| {scene} | {row['setting'].replace('memory:', '')} | {row['grid']} | {row['bytes'] / 1e6:.1f} | "

@@ -127,8 +127,9 @@ static LsResult run(Measure* measure, const LsBakeDesc* desc, LsError* error)
     if (result == LS_OK)
     {
         begin = omp_get_wtime();
-        result = ls_voxels_create(&measure->voxels, &measure->mesh, desc->grid, 0, measure->threads,
-                                  NULL, error);
+        const LsDivisionRule never = {.above = LS_MASK_TRIANGLES};
+        result = ls_voxels_create(&measure->voxels, &measure->mesh, desc->grid, &never,
+                                  measure->threads, NULL, error);
         measure->seconds[2] = omp_get_wtime() - begin;
     }
     if (result == LS_OK)

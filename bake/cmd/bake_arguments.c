@@ -42,9 +42,10 @@ const char ls_bake_help[] =
     "                         to which neighbouring faces are smoothed\n"
     "\n"
     "Line Space:\n"
-    "                         Without any of these options, or with --memory, cells and N are\n"
-    "                         chosen by expected work; with --grid alone N is 2, with --patches\n"
-    "                         alone cells are 0.3 times the root of an object's triangle count.\n"
+    "                         Without any of these options, or with --memory, cells, what is\n"
+    "                         divided and N are chosen by expected work; with --grid alone N is\n"
+    "                         2, with --patches alone cells are 0.3 times the root of an object's\n"
+    "                         triangle count.\n"
     "      --memory S         at most so many bytes on the device for tracing, or with K, M or G\n"
     "                         behind (powers of 1024); normals, images and the like come on top\n"
     "                         (default: as much as pays)\n"
@@ -53,6 +54,9 @@ const char ls_bake_help[] =
     "                         voxel, up to 5; auto:N up to N, 1 to 8. Beside --memory only auto\n"
     "      --byte-price F     with --patches auto, without --memory: what a byte of a table must\n"
     "                         save, in triangle tests of a ray in the voxel (default 0.001)\n"
+    "      --divide-above T   divide all voxels of more than T triangles again, into 4 x 4 x 4, 3\n"
+    "                         to 1000000; others of more than 32 have a BVH (default: 32, and\n"
+    "                         where cells are chosen only if that is worth its bytes)\n"
     "      --scene-shafts M   also shafts across each whole grid, between M x M patches a face, 1\n"
     "                         to 32, so that rays pass long empty stretches in one step\n"
     "\n"
@@ -260,6 +264,8 @@ static const Option options[] = {
      NUMBER("a whole number from 1 to 16, auto, or auto: and one from 1 to 8"), 1, LS_MAX_PATCHES},
     {"--byte-price", NULL, BAKE(byte_price), read_double, NUMBER("a number from 1e-9 to 1e9"), 1e-9,
      1e9},
+    {"--divide-above", NULL, BAKE(divide_above), read_uint32,
+     NUMBER("a whole number from 3 to 1000000"), LS_MIN_DIVIDE_ABOVE, LS_MAX_DIVIDE_ABOVE},
     {"--scene-shafts", NULL, BAKE(scene_patches), read_uint32,
      NUMBER("a whole number from 1 to 32"), 1, LS_MAX_SCENE_PATCHES},
     {"--output", "-o", BAKE(output), read_text, FILE_NAME},

@@ -65,6 +65,9 @@ extern "C"
 
 // Most patches along a voxel's edge that are chosen by voxel.
 #define LS_MAX_CHOSEN_PATCHES 8
+// The fewest and the most triangles that may be asked to be divided.
+#define LS_MIN_DIVIDE_ABOVE 3
+#define LS_MAX_DIVIDE_ABOVE 1000000
 
     // Input of a bake. Zero means default.
     typedef struct LsBakeDesc
@@ -75,10 +78,10 @@ extern "C"
         // Beside it a rule of make that names all files that were read, for build systems, written
         // when the bake has succeeded or the output is up to date; NULL: none.
         const char* depfile;
-        // Cells and N are chosen by expected work (docs/cost-model.md) if this is given, or none of
-        // grid, patches and choose_patches; of given ones grid stays, and chosen patches are the
-        // most. Bytes that tracing may take on the device, without what shading alone reads; 0: as
-        // many as pay, a doubling having to save a twelfth of the work.
+        // Cells, divisions and N are chosen by expected work (docs/cost-model.md) if this is given,
+        // or none of grid, patches and choose_patches; of given ones grid stays, and chosen patches
+        // are the most. Bytes that tracing may take on the device, without what shading alone
+        // reads; 0: as many as pay, a doubling having to save a twelfth of the work.
         uint64_t memory;
         // G: cells along the longest side of an object's box, 1..4096; 0: chosen, or by triangles
         // where only patches are given.
@@ -89,6 +92,10 @@ extern "C"
         // Of tables, in triangle tests of a ray in a voxel, for choose_patches without memory; 0:
         // 0.001.
         double byte_price;
+        // T: voxels of more triangles are divided into sub-grids of 4 x 4 x 4, 3..1000000. 0: where
+        // cells are chosen those of more than 32, the most that masks hold, that are worth it, else
+        // all of them. What is not divided and has more than 32 has a BVH.
+        uint32_t divide_above;
         // M: each grid also gets shafts across the whole of it, between M x M patches on the faces
         // of its box, that say which parts of their way may be filled; 1..32, 60 M^4 bytes a grid.
         // 0: none.
