@@ -114,8 +114,7 @@ static LsResult create_pipeline(const LsContext* context, const KernelDesc* desc
 }
 
 static KernelDesc describe(const LsContext* context, const uint32_t* code, size_t code_bytes,
-                           const LsTraceKernelDesc* scene, LsMethod method, uint32_t group_size,
-                           bool refills)
+                           const LsTraceKernelDesc* scene, LsMethod method, uint32_t group_size)
 {
     KernelDesc desc = {.code = code, .code_bytes = code_bytes};
     desc.constants[METHOD] = method;
@@ -124,7 +123,8 @@ static KernelDesc describe(const LsContext* context, const uint32_t* code, size_
         desc.constants[i] = (uint32_t)(scene->features >> (i - FIRST_FEATURE) & 1u);
     }
     desc.constants[GROUP_SIZE] = group_size;
-    desc.constants[REFILL] = refills;
+    // The loops of lanes that refill would be too long where loops are bounded.
+    desc.constants[REFILL] = context->max_loop_rounds == UINT64_MAX;
     desc.constants[SEGMENT_LOG2] = scene->segment_log2;
     desc.constants[DEFERS] = !context->is_cpu;
     desc.constants[LANE_RAYS] = scene->lane_rays;
@@ -135,15 +135,15 @@ static LsResult create_passes(const LsContext* context, const LsTraceKernelDesc*
                               LsTraceKernel* kernel, LsError* error)
 {
     const KernelDesc lists = describe(context, trace_lists_spv, sizeof(trace_lists_spv), scene,
-                                      LS_TRACE_EXACT, LS_LISTS_GROUP_SIZE, false);
-    LsResult result = create_pipeline(context, &lists, kernel->layout, &kernel->lists, error);
-    for (int refills = 0; refills <= 1 && result == LS_OK; refills++)
+                                      LS_TRACE_EXACT, context->shared_lanes);
+    const LsResult result = create_pipeline(context, &lists, kernel->layout, &kernel->lists, error);
+    if (result != LS_OK)
     {
-        const KernelDesc grid = describe(context, trace_grid_spv, sizeof(trace_grid_spv), scene,
-                                         LS_TRACE_EXACT, context->shared_lanes, refills);
-        result = create_pipeline(context, &grid, kernel->layout, &kernel->grid[refills], error);
+        return result;
     }
-    return result;
+    const KernelDesc grid = describe(context, trace_grid_spv, sizeof(trace_grid_spv), scene,
+                                     LS_TRACE_EXACT, context->shared_lanes);
+    return create_pipeline(context, &grid, kernel->layout, &kernel->grid, error);
 }
 
 static LsResult create_whole(const LsContext* context, const LsTraceKernelDesc* scene,
@@ -152,7 +152,7 @@ static LsResult create_whole(const LsContext* context, const LsTraceKernelDesc* 
     const bool has_texels = scene->texel_layout != VK_NULL_HANDLE;
     const KernelDesc desc = describe(context, has_texels ? trace_texels_spv : trace_spv,
                                      has_texels ? sizeof(trace_texels_spv) : sizeof(trace_spv),
-                                     scene, method, LS_TRACE_GROUP_SIZE, false);
+                                     scene, method, LS_TRACE_GROUP_SIZE);
     return create_pipeline(context, &desc, kernel->layout, &kernel->whole[method], error);
 }
 
@@ -170,7 +170,7 @@ LsResult ls_trace_kernel_create(const LsContext* context, const LsTraceKernelDes
     if (result == LS_OK && scene->lane_rays != 0)
     {
         const KernelDesc desc = describe(context, trace_lockstep_spv, sizeof(trace_lockstep_spv),
-                                         scene, LS_TRACE_EXACT, context->shared_lanes, false);
+                                         scene, LS_TRACE_EXACT, context->shared_lanes);
         result = create_pipeline(context, &desc, kernel->layout, &kernel->lockstep, error);
     }
     if (result == LS_OK && scene->has_passes)
@@ -192,8 +192,7 @@ void ls_trace_kernel_destroy(const LsContext* context, LsTraceKernel* kernel)
     }
     context->vk.DestroyPipeline(context->device, kernel->lockstep, NULL);
     context->vk.DestroyPipeline(context->device, kernel->lists, NULL);
-    context->vk.DestroyPipeline(context->device, kernel->grid[0], NULL);
-    context->vk.DestroyPipeline(context->device, kernel->grid[1], NULL);
+    context->vk.DestroyPipeline(context->device, kernel->grid, NULL);
     context->vk.DestroyPipelineLayout(context->device, kernel->layout, NULL);
     *kernel = (LsTraceKernel){0};
 }

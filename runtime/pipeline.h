@@ -8,8 +8,6 @@
 // Rays per work group of the kernel that does all at once: one warp on the widest hardware in use; a CPU
 // device likes it as well.
 #define LS_TRACE_GROUP_SIZE 32u
-// Of the first of two passes, whose rays do not wait for each other.
-#define LS_LISTS_GROUP_SIZE 128u
 
 #define LS_TRACE_METHOD_COUNT 4u // of LsMethod
 
@@ -20,9 +18,9 @@ typedef struct LsTraceKernel
     VkPipeline whole[LS_TRACE_METHOD_COUNT]; // by LsMethod: a ray a thread, LsTraceParams
     VkPipeline lockstep; // LsLockstepParams, in groups of context->shared_lanes; or null
     // Two passes for scenes with one grid, where the device can; else null. First LsListParams, then
-    // LsGridParams in groups of context->shared_lanes.
+    // LsGridParams, both in groups of context->shared_lanes.
     VkPipeline lists;
-    VkPipeline grid[2]; // by whether lanes whose ray has ended take another
+    VkPipeline grid;
 } LsTraceKernel;
 
 // What the kernels are compiled for: what scenes do not use is not in them.

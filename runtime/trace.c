@@ -132,8 +132,7 @@ static void record_lockstep(const LsScene* scene, VkCommandBuffer commands, cons
 
 static void record_passes(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)
 {
-    // The loops of lanes that refill would be too long where loops are bounded.
-    const bool refills = !desc->coherent && scene->context->max_loop_rounds == UINT64_MAX;
+    const bool refills = scene->context->max_loop_rounds == UINT64_MAX; // LS_REFILL
     const uint32_t lanes = scene->context->shared_lanes;
     const uint64_t limit = find_dispatch_limit(scene->context, lanes);
     for (uint64_t first = 0; first < desc->ray_count; first += limit)
@@ -157,8 +156,7 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
         grid.hits = slice.hits;
         grid.queue = desc->scratch;
         grid.flags |= desc->flags;
-        uint64_t groups = ((uint64_t)slice.ray_count + lanes - 1) / lanes;
-        groups = refills && groups > MAX_REFILLING_GROUPS ? MAX_REFILLING_GROUPS : groups;
+        const uint64_t group_count = ((uint64_t)slice.ray_count + lanes - 1) / lanes;
         if (first != 0)
         {
             await_dispatch(scene, commands);
@@ -167,9 +165,11 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
         await_dispatch(scene, commands);
         lists.ray_count = slice.ray_count;
         dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists,
-                 ((uint64_t)slice.ray_count + LS_LISTS_GROUP_SIZE - 1) / LS_LISTS_GROUP_SIZE);
+                 group_count);
         await_dispatch(scene, commands);
-        dispatch(scene, commands, scene->kernel.grid[refills], &grid, sizeof grid, groups);
+        dispatch(scene, commands, scene->kernel.grid, &grid, sizeof grid,
+                 refills && group_count > MAX_REFILLING_GROUPS ? MAX_REFILLING_GROUPS
+                                                               : group_count);
     }
 }
 

@@ -15,6 +15,20 @@ layout(buffer_reference, std430, buffer_reference_align = 16) writeonly buffer H
     LsHit at[];
 };
 
+// The same in pieces of 16 bytes: told so, an NVIDIA driver stores 16 bytes at once, which it does
+// not with members.
+layout(buffer_reference, std430, buffer_reference_align = 16) writeonly buffer QuadArray
+{
+    uvec4 at[];
+};
+
+void store_hit(uvec2 hits, uint index, LsHit hit)
+{
+    QuadArray quads = QuadArray(hits);
+    quads.at[2u * index] = uvec4(floatBitsToUint(vec3(hit.t, hit.u, hit.v)), hit.instance);
+    quads.at[2u * index + 1u] = uvec4(hit.object, hit.primitive, hit.material, hit.flags);
+}
+
 layout(buffer_reference, std430, buffer_reference_align = 4) readonly buffer MaskArray
 {
     uint at[];
@@ -26,6 +40,15 @@ layout(buffer_reference, std430, buffer_reference_align = 16) buffer Queue
     LsTraceQueue head;
     LsGridRay rays[];
 };
+
+void store_queued(uvec2 queue, uint slot, LsGridRay ray)
+{
+    QuadArray quads = QuadArray(queue);
+    uint first = 4u + 3u * slot; // behind the head
+    quads.at[first] = uvec4(floatBitsToUint(ray.origin), floatBitsToUint(ray.smin));
+    quads.at[first + 1u] = uvec4(floatBitsToUint(ray.direction), floatBitsToUint(ray.smax));
+    quads.at[first + 2u] = uvec4(ray.index, floatBitsToUint(ray.s0), ray.scales, 0u);
+}
 
 // The instances that ray `index` may hit.
 uint get_mask(uvec2 masks, uint index)

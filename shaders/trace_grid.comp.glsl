@@ -4,7 +4,9 @@
 // ray and triangle each, whichever ray it belongs to; owners collect what was found. So neither
 // long walks nor long lists leave the other lanes idle for long. A lane whose ray has ended takes the next one
 // from the queue (T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009), unless
-// LS_REFILL is 0, which suits rays that go similar ways. A group is one subgroup, of at most 32 lanes.
+// LS_REFILL is 0, for devices that bound the rounds of loops. Some rays meet many times more cells than
+// others, and a batch ends with its last ray: when the queue is empty, lanes without a ray take half of
+// the way that another still has before it, again and again. A group is one subgroup, of at most 32 lanes.
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -30,12 +32,16 @@ layout(push_constant, std430) uniform Push
 #include "walk.glsl"
 
 #define LANES gl_WorkGroupSize.x
-const uint FEWEST_IDLE = LANES / 4u;  // lanes that wait before they fetch rays together
-const uint FEWEST_PAIRS = LANES / 2u; // tests that wait before they are done
+const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays together
+const uint FEWEST_PAIRS = LANES * 3u / 4u; // tests that wait before they are done
+const uint FEWEST_FREE = LANES / 4u;       // lanes without a ray before they take parts of others'
+const uint FEWEST_STEPS = 4u;              // between one division and the next
+const float FEWEST_CELLS = 2.0;            // that lie before a ray if its way is divided
 
 // What testing needs of the ray of each lane: pivot and major, sheared and s0.
 shared vec4 pivots[LANES];
 shared vec4 sheareds[LANES];
+shared uint notes[LANES]; // what lanes tell each other
 
 LsLocalRay load_testing_ray(uint lane)
 {
@@ -47,13 +53,15 @@ LsLocalRay load_testing_ray(uint lane)
     return ray;
 }
 
-// A lane's ray and the best hit in the grid.
+// A lane's ray, or the part of one, and the best hit in the grid.
 struct Traced
 {
     LsLocalRay ray;
     uint index;
     uint scales;
     uint triangle; // LS_NONE: none in the grid
+    uint owner;    // the lane that writes the ray's hit; LS_NONE: the lane has no ray
+    float s_end;   // cells entered behind it are another lane's
 };
 
 // The one grid of the scene: its parts of all arrays begin at 0, since lists have none.
@@ -82,6 +90,8 @@ bool begin(uint slot, inout Traced traced, inout LsWalk walk)
     traced.index = queued.index;
     traced.scales = queued.scales;
     traced.triangle = LS_NONE;
+    traced.owner = gl_SubgroupInvocationID;
+    traced.s_end = LS_INFINITY;
     uint major = ls_max_axis(abs(queued.direction));
     pivots[gl_SubgroupInvocationID] =
         vec4(ls_permute(queued.origin, major), uintBitsToFloat(major));
@@ -111,7 +121,7 @@ void finish(inout Traced traced)
     hit.primitive = triangles.at[index].primitive;
     hit.material = triangles.at[index].material;
     hit.flags = 0u;
-    HitArray(params.hits).at[traced.index] = hit;
+    store_hit(params.hits, traced.index, hit);
     traced.triangle = LS_NONE;
 }
 
@@ -198,65 +208,205 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
     return may_end;
 }
 
+// Takes what ended parts of rays have found to the rays' owners and frees their lanes; writes the hits
+// of rays of which no part is left, and tells the other parts what is known.
+void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
+{
+    uint lane = gl_SubgroupInvocationID;
+    bool has_ended = traced.owner != LS_NONE && !walks && mask == 0u;
+    uint finders =
+        subgroupBallot(has_ended && traced.owner != lane && traced.triangle != LS_NONE).x;
+    while (finders != 0u)
+    {
+        uint finder = uint(findLSB(finders));
+        finders &= finders - 1u;
+        float s = subgroupShuffle(traced.ray.smax, finder);
+        uint triangle = subgroupShuffle(traced.triangle, finder);
+        uint owner = subgroupShuffle(traced.owner, finder);
+        if (owner == lane && triangle != traced.triangle)
+        {
+            keep(traced, s, triangle);
+        }
+    }
+
+    notes[lane] = 0u; // whether a part of its ray is left
+    subgroupMemoryBarrierShared();
+    if (traced.owner != LS_NONE && !has_ended)
+    {
+        notes[traced.owner] = 1u;
+    }
+    subgroupMemoryBarrierShared();
+    uint owner = traced.owner == LS_NONE ? lane : traced.owner;
+    // What lies behind the owner's hit is of no use, as far as rounding of s + s0 lets one say so.
+    float s_known = subgroupShuffle(traced.ray.smax, owner);
+    traced.s_end = traced.ray.s0 == 0.0 ? min(traced.s_end, s_known) : traced.s_end;
+    bool is_known = subgroupShuffle(traced.triangle, owner) != LS_NONE;
+    if (takes_any() && is_known)
+    {
+        walks = false;
+        mask = 0u;
+    }
+    if (has_ended && (traced.owner != lane || notes[lane] == 0u))
+    {
+        if (traced.owner == lane)
+        {
+            finish(traced);
+        }
+        traced.owner = LS_NONE;
+    }
+}
+
+#define TAKE(value) value = subgroupShuffle(value, giver)
+
+// Lanes without a ray take the second half of the way that others have before them. They start there as
+// rays do that begin inside a grid, which loses no hit (docs/exactness.md).
+void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
+{
+    uint lane = gl_SubgroupInvocationID;
+    vec3 border = vec3(get_grid().cells);
+    vec3 low = ls_mirrored_low(walk.mirror, border);
+    float s_leave = ls_min_component((low + border - walk.origin) * walk.inverse);
+    float s_last = min(min(s_leave, traced.s_end), traced.ray.smax - traced.ray.s0);
+    float s_middle = 0.5 * (walk.s + s_last);
+    bool gives = walks && (s_last - walk.s) * ls_max_component(walk.direction) > FEWEST_CELLS;
+    bool takes = traced.owner == LS_NONE;
+    uvec4 givers = subgroupBallot(gives);
+    uvec4 takers = subgroupBallot(takes);
+    uint count = min(subgroupBallotBitCount(givers), subgroupBallotBitCount(takers));
+    if (count == 0u)
+    {
+        return;
+    }
+    uint gives_to = subgroupBallotExclusiveBitCount(givers);
+    uint takes_from = subgroupBallotExclusiveBitCount(takers);
+    gives = gives && gives_to < count;
+    takes = takes && takes_from < count;
+    if (gives)
+    {
+        notes[gives_to] = lane;
+    }
+    subgroupMemoryBarrierShared();
+    uint giver = takes ? notes[takes_from] : lane;
+    float s_end = subgroupShuffle(traced.s_end, giver);
+    if (gives)
+    {
+        traced.s_end = s_middle;
+    }
+    TAKE(s_middle);
+    TAKE(walk.origin);
+    TAKE(walk.direction);
+    TAKE(walk.inverse);
+    TAKE(walk.mirror);
+    TAKE(traced.ray.smin);
+    TAKE(traced.ray.smax);
+    TAKE(traced.ray.s0);
+    TAKE(traced.scales);
+    TAKE(traced.triangle);
+    TAKE(traced.owner);
+    if (LS_USES_SCENE_SHAFTS)
+    {
+        TAKE(walk.signature);
+        TAKE(walk.s_line);
+        TAKE(walk.s_interval);
+        TAKE(walk.s_stop);
+    }
+    if (takes)
+    {
+        pivots[lane] = pivots[giver];
+        sheareds[lane] = sheareds[giver];
+        traced.s_end = s_end;
+        walk.s = s_middle;
+        walk.axis = 3u;
+        walk.level = 0u;
+        walk.block = 0u;
+        walk.leaf_node = 0u;
+        walk.mask = 0u;
+        walk.cell = ls_find_cell(walk, s_middle, ls_mirrored_low(walk.mirror, border), border);
+        walks = true;
+    }
+    subgroupMemoryBarrierShared();
+}
+
 void main()
 {
     uint queued_count = Queue(params.queue).head.count;
     Traced traced;
     traced.triangle = LS_NONE;
+    traced.owner = LS_NONE;
     LsWalk walk;
     walk.mask = 0u; // the tests that wait
     bool walks = false;
-    bool drained = false;
+    bool is_drained = false; // the queue
     bool queues_ray = false;
     if (LS_REFILL == 0u)
     {
         uint slot = gl_GlobalInvocationID.x;
         queues_ray = slot < queued_count;
         walks = queues_ray && begin(slot, traced, walk);
-        drained = true;
+        is_drained = true;
         subgroupMemoryBarrierShared();
     }
     while (true)
     {
-        bool idle = !walks && walk.mask == 0u;
-        uvec4 idle_lanes = subgroupBallot(idle);
-        uint idle_count = subgroupBallotBitCount(idle_lanes);
-        if (drained && idle_count == LANES)
+        bool is_idle = !walks && walk.mask == 0u;
+        if (is_drained)
         {
-            break;
+            if (subgroupAny(traced.owner != LS_NONE && is_idle))
+            {
+                collect_parts(traced, walks, walk.mask);
+            }
+            uint free_count = subgroupBallotBitCount(subgroupBallot(traced.owner == LS_NONE));
+            if (free_count == LANES)
+            {
+                break;
+            }
+            if (free_count >= FEWEST_FREE)
+            {
+                divide(traced, walk, walks);
+            }
         }
-        if (!drained && idle_count >= FEWEST_IDLE)
+        else
         {
-            uint first = 0u;
-            if (subgroupElect())
+            uvec4 idle_lanes = subgroupBallot(is_idle);
+            uint idle_count = subgroupBallotBitCount(idle_lanes);
+            if (idle_count >= FEWEST_IDLE)
             {
-                first = atomicAdd(Queue(params.queue).head.next, idle_count);
+                uint first = 0u;
+                if (subgroupElect())
+                {
+                    first = atomicAdd(Queue(params.queue).head.next, idle_count);
+                }
+                uint slot =
+                    subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(idle_lanes);
+                is_drained = subgroupAny(slot >= queued_count);
+                if (is_idle)
+                {
+                    finish(traced);
+                    traced.owner = LS_NONE;
+                    walks = slot < queued_count && begin(slot, traced, walk);
+                }
+                subgroupMemoryBarrierShared();
             }
-            uint slot = subgroupBroadcastFirst(first) + subgroupBallotExclusiveBitCount(idle_lanes);
-            drained = subgroupAny(slot >= queued_count);
-            if (idle)
-            {
-                finish(traced);
-                walks = slot < queued_count && begin(slot, traced, walk);
-            }
-            subgroupMemoryBarrierShared();
         }
 
         // Walk until there is something better to do.
         uint pair_count;
+        uint steps_done = 0u;
         while (true)
         {
             pair_count = subgroupAdd(bitCount(walk.mask));
             bool steps = walks && walk.mask == 0u;
-            uint fewest = drained ? LANES : FEWEST_IDLE;
+            uint idle_count =
+                subgroupBallotBitCount(subgroupBallot(!walks && walk.mask == 0u));
             if (pair_count >= FEWEST_PAIRS || !subgroupAny(steps) ||
-                subgroupBallotBitCount(subgroupBallot(!walks && walk.mask == 0u)) >= fewest)
+                (idle_count >= FEWEST_IDLE && (!is_drained || steps_done >= FEWEST_STEPS)))
             {
                 break;
             }
+            steps_done++;
             if (steps)
             {
-                walks = !ls_walk_is_over(get_grid(), traced.ray, walk);
+                walks = !(traced.s_end < walk.s) && !ls_walk_is_over(get_grid(), traced.ray, walk);
                 if (walks)
                 {
                     ls_walk_step(get_grid(), traced.ray, walk);
@@ -273,10 +423,10 @@ void main()
             }
         }
     }
-    finish(traced);
     if (LS_REFILL == 0u && queues_ray && subgroupAny(walks || walk.mask != 0u))
     {
         // A device ended the loop; whose ray it was cannot be told.
-        HitArray(params.hits).at[traced.index].flags = LS_HIT_CUT;
+        uint index = Queue(params.queue).rays[gl_GlobalInvocationID.x].index;
+        HitArray(params.hits).at[index].flags = LS_HIT_CUT;
     }
 }

@@ -2,13 +2,17 @@
 // lights, and those that meet the grid's box into a queue. Every ray has its hit so far afterwards.
 //
 // Lists and grid in one kernel make every lane wait for those that walk the grid; here the lanes of a subgroup
-// do the same work, and in trace_grid.comp.glsl all of them walk.
+// do the same work, and in trace_grid.comp.glsl all of them walk. Of a list each ray tests only those
+// triangles whose boxes it meets, two to a box, as a wall is two triangles. A group is one subgroup,
+// of at most 32 lanes.
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#extension GL_KHR_shader_subgroup_vote : require
 
 #include "ls_layout.h"
 
@@ -23,16 +27,85 @@ layout(push_constant, std430) uniform Push
 #include "batch.glsl"
 #include "instance.glsl"
 
+#define LANES gl_WorkGroupSize.x
+
+// Boxes of the pairs of triangles that are looked at, from the lower corner of their object's box.
+shared vec3 lowers[LANES / 2u];
+shared vec3 uppers[LANES / 2u];
+
+// How far boxes grow, as a part of an object's `reach`, which is twice its longest side: what rounding
+// can do to boxes, rays and tests is a third of it (docs/exactness.md).
+const float GROWTH = 7.62939453125e-06; // 2^-17
+
 bool sees(uint instance, uint mask)
 {
     return (LsInstanceArray(params.instances).at[instance].mask & mask) != 0u;
 }
 
-// Traces a scaled ray through the instances that are lists; true if it may end. All lanes look at the same node at
-// a time: scenes of one grid have few. Tells whether the ray meets the grid's box.
-bool trace_lists(LsRay ray, uint mask, inout LsBest best, out bool meets_grid)
+// The boxes of triangles `first` to `first` + LANES of a list. All lanes come here.
+void make_boxes(uint object, uint first)
 {
-    meets_grid = params.top_node_count == 0u && sees(params.grid_instance, mask);
+    LsObjectArray objects = LsObjectArray(params.objects);
+    uint last = objects.at[object].triangle_count - 1u;
+    uint index = objects.at[object].first_triangle + min(first + gl_SubgroupInvocationID, last);
+    LS_FIND_TRIANGLE(triangles, index);
+    vec3 v0 = triangles.at[index].v0;
+    vec3 v1 = triangles.at[index].v1;
+    vec3 v2 = triangles.at[index].v2;
+    vec3 lower = min(min(v0, v1), v2);
+    vec3 upper = max(max(v0, v1), v2);
+    lower = min(lower, subgroupShuffleXor(lower, 1u));
+    upper = max(upper, subgroupShuffleXor(upper, 1u));
+    float growth = objects.at[object].reach * GROWTH;
+    // First the corner: growth may be less than what coordinates far from 0 can tell apart.
+    precise vec3 lower_grown = (lower - objects.at[object].lower) - growth;
+    precise vec3 upper_grown = (upper - objects.at[object].lower) + growth;
+    subgroupMemoryBarrierShared();
+    if ((gl_SubgroupInvocationID & 1u) == 0u)
+    {
+        lowers[gl_SubgroupInvocationID >> 1] = lower_grown;
+        uppers[gl_SubgroupInvocationID >> 1] = upper_grown;
+    }
+    subgroupMemoryBarrierShared();
+}
+
+// Tests those of triangles `first` to `end` of a ray's list whose boxes it meets. True if the ray may
+// end.
+bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end)
+{
+    vec3 inverse = ls_inverse_direction(ray.direction);
+    vec3 origin = (ray.origin - LsObjectArray(params.objects).at[ray.object].lower) * inverse;
+    float s_first = ray.smin - ray.s0;
+    float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
+    uint left = 0u;
+    for (uint pair = 0u; first + 2u * pair < end; pair++)
+    {
+        vec3 a = lowers[pair] * inverse - origin;
+        vec3 b = uppers[pair] * inverse - origin;
+        // What is too large for a number is NaN, and met.
+        bool missed = max(ls_max_component(min(a, b)), s_first) >
+                      min(ls_min_component(max(a, b)), s_limit);
+        left |= missed ? 0u : 3u << (2u * pair);
+    }
+    left &= 0xFFFFFFFFu >> (32u - min(end - first, 32u));
+    while (left != 0u)
+    {
+        uint bit = uint(findLSB(left));
+        left &= left - 1u;
+        if (ls_test_triangle(ray, best, first + bit))
+        {
+            return true;
+        }
+    }
+    ls_cut = ls_cut || int(left | (0u - left)) < 0;
+    return false;
+}
+
+// Traces a scaled ray through the instances that are lists, unless it is `done`; true if it is done
+// then. All lanes look at the same node at a time: scenes of one grid have few. Tells whether the ray
+// meets the grid's box.
+bool trace_lists(LsRay ray, uint mask, bool done, inout LsBest best, out bool meets_grid)
+{
     LsBvhNodeArray nodes = LsBvhNodeArray(params.top_nodes);
     vec3 inverse = ls_inverse_direction(ray.direction);
     float pad = params.transform_bound * ls_max_component(abs(ray.origin));
@@ -52,26 +125,34 @@ bool trace_lists(LsRay ray, uint mask, inout LsBest best, out bool meets_grid)
             continue;
         }
         LsLocalRay local;
-        if (sees(instance, mask) &&
-            ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin,
-                         best.t) &&
-            ls_carry_ray(ray, instance, best.t, params.flags, local))
+        bool meets = !done && sees(instance, mask) &&
+                     ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin,
+                                  best.t) &&
+                     ls_carry_ray(ray, instance, best.t, params.flags, local);
+        if (!subgroupAny(meets))
         {
-            uint count = LsObjectArray(params.objects).at[local.object].triangle_count;
-            if (ls_test_list(local, best, count))
+            continue;
+        }
+        uint object = LsInstanceArray(params.instances).at[instance].object;
+        uint count = LsObjectArray(params.objects).at[object].triangle_count;
+        for (uint first = 0u; first < count; first += LANES)
+        {
+            make_boxes(object, first);
+            if (meets && !done)
             {
-                return true;
+                done = test_boxed(local, best, first, min(first + LANES, count));
             }
         }
     }
     ls_cut = ls_cut || int(i - params.top_node_count) < 0;
+    meets_grid = params.top_node_count == 0u && sees(params.grid_instance, mask);
     if (grid_node != LS_NONE && sees(params.grid_instance, mask))
     {
         LsBvhNode node = nodes.at[grid_node];
         meets_grid =
             ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin, best.t);
     }
-    return false;
+    return done;
 }
 
 LsHit make_hit(LsBest best, float scale)
@@ -86,7 +167,7 @@ LsHit make_hit(LsBest best, float scale)
         hit.instance = best.instance;
         hit.object = LsInstanceArray(params.instances).at[best.instance].object;
         uint index = LsObjectArray(params.objects).at[hit.object].first_triangle + best.triangle;
-        LsTriangleArray triangles = ls_find_triangle(ls_scene.triangles, index);
+        LS_FIND_TRIANGLE(triangles, index);
         hit.primitive = triangles.at[index].primitive;
         hit.material = triangles.at[index].material;
     }
@@ -95,48 +176,42 @@ LsHit make_hit(LsBest best, float scale)
 
 void main()
 {
-    uint index = gl_GlobalInvocationID.x;
     Queue queue = Queue(params.queue);
     if (params.ray_count == 0u)
     {
-        if (index == 0u)
+        if (gl_GlobalInvocationID.x == 0u)
         {
             queue.head.count = 0u;
             queue.head.next = 0u;
         }
         return;
     }
-    bool goes_on = false;
+    // Lanes beyond the last ray take it once more, since all are needed to look at lists.
+    bool has_ray = gl_GlobalInvocationID.x < params.ray_count;
+    uint index = min(gl_GlobalInvocationID.x, params.ray_count - 1u);
+    LsRay ray = RayArray(params.rays).at[index];
+    ls_cut = false;
+    bool is_legal = ls_ray_is_legal(ray);
+    float scale = ls_scale_ray(ray);
+    LsBest best = LsBest(ray.tmax, LS_NONE, LS_NONE);
+    bool goes_on;
+    bool done =
+        trace_lists(ray, get_mask(params.masks, index), !has_ray || !is_legal, best, goes_on);
     LsGridRay grid_ray;
-    if (index < params.ray_count)
+    goes_on = goes_on && !done;
+    if (goes_on)
     {
-        LsRay ray = RayArray(params.rays).at[index];
-        uint mask = get_mask(params.masks, index);
-        ls_cut = false;
-        bool legal = ls_ray_is_legal(ray);
-        float scale = ls_scale_ray(ray);
-        LsBest best = LsBest(ray.tmax, LS_NONE, LS_NONE);
-        if (legal && !trace_lists(ray, mask, best, goes_on) && goes_on)
-        {
-            LsLocalRay local;
-            goes_on = ls_carry_ray(ray, params.grid_instance, best.t, params.flags, local);
-            bool wins_ties = best.instance != LS_NONE && params.grid_instance < best.instance;
-            grid_ray.origin = local.origin;
-            grid_ray.smin = local.smin;
-            grid_ray.direction = local.direction;
-            grid_ray.smax = local.smax;
-            grid_ray.index = index;
-            grid_ray.s0 = local.s0;
-            grid_ray.scales = (floatBitsToUint(scale) >> 23) |
-                              ((floatBitsToUint(local.scale) >> 23) << 8) |
-                              (wins_ties ? 1u << 16 : 0u);
-            grid_ray.reserved = 0u;
-        }
-        else
-        {
-            goes_on = false;
-        }
-        HitArray(params.hits).at[index] = make_hit(best, scale);
+        LsLocalRay local;
+        goes_on = ls_carry_ray(ray, params.grid_instance, best.t, params.flags, local);
+        bool wins_ties = best.instance != LS_NONE && params.grid_instance < best.instance;
+        uint scales = (floatBitsToUint(scale) >> 23) | ((floatBitsToUint(local.scale) >> 23) << 8) |
+                      (wins_ties ? 1u << 16 : 0u);
+        grid_ray = LsGridRay(local.origin, local.smin, local.direction, local.smax, index, local.s0,
+                             scales, 0u);
+    }
+    if (has_ray)
+    {
+        store_hit(params.hits, index, make_hit(best, scale));
     }
 
     // One addition a subgroup.
@@ -150,6 +225,6 @@ void main()
     first = subgroupBroadcastFirst(first);
     if (goes_on)
     {
-        queue.rays[first + subgroupBallotExclusiveBitCount(going)] = grid_ray;
+        store_queued(params.queue, first + subgroupBallotExclusiveBitCount(going), grid_ray);
     }
 }

@@ -87,12 +87,14 @@ vec3 ls_mirrored_low(uint mirror, vec3 border)
 // Patch index on the face of `axis` of a point in a box's coordinates, [0,1] each, clamped onto it.
 uint ls_patch_index(vec3 point, uint mirror, uint axis, uint patches)
 {
+    vec2 on_face = axis == 0u ? point.yz : (axis == 1u ? point.zx : point.xy);
+    uint turned =
+        axis == 0u ? mirror >> 1 : (axis == 1u ? (mirror >> 2) | (mirror << 1) : mirror);
     float n = float(patches);
-    ivec3 k = ivec3(clamp(point * n, vec3(0.0), vec3(n - 0.5)));
-    ivec3 turned = ls_mirror(mirror);
-    k = (k ^ turned) + (turned & ivec3(patches));
-    ivec2 on_face = axis == 0u ? k.yz : (axis == 1u ? k.zx : k.xy);
-    return uint(on_face.x) * patches + uint(on_face.y);
+    uvec2 k = uvec2(clamp(on_face * n, vec2(0.0), vec2(n - 0.5)));
+    k.x = (turned & 1u) != 0u ? patches - 1u - k.x : k.x;
+    k.y = (turned & 2u) != 0u ? patches - 1u - k.y : k.y;
+    return k.x * patches + k.y;
 }
 
 // The number of the shaft through which a ray crosses a box: it enters at `point_in` by the near

@@ -56,8 +56,8 @@ void ls_gpu_scene_close(LsGpuScene* scene)
     *scene = (LsGpuScene){0};
 }
 
-// Exact tracing must answer alike in one pass and in two, whether lanes refill or not. Of rays that take any hit
-// only whether there is one can be compared.
+// Exact tracing must answer alike in one pass and in two. Of rays that take any hit only whether there
+// is one can be compared.
 static void require_same_in_passes(LsGpu* gpu, const LsGpuScene* scene, const LsAppRun* whole,
                                    const LsHit* hits)
 {
@@ -65,25 +65,21 @@ static void require_same_in_passes(LsGpu* gpu, const LsGpuScene* scene, const Ls
     {
         return;
     }
-    for (int coherent = gpu->device.is_cpu; coherent <= 1; coherent++)
+    LsAppRun run = *whole;
+    run.passes = LS_APP_TWO_PASSES;
+    LsError error;
+    require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, NULL, &error),
+            &error);
+    for (uint32_t i = 0; i < run.ray_count; i++)
     {
-        LsAppRun run = *whole;
-        run.passes = LS_APP_TWO_PASSES;
-        run.coherent = coherent;
-        LsError error;
-        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, NULL, &error),
-                &error);
-        for (uint32_t i = 0; i < run.ray_count; i++)
+        const LsHit* other = &gpu->tracer.hits[i];
+        const bool same = (run.flags & LS_RAY_FLAG_ANY_HIT) != 0
+                              ? (other->instance == LS_NONE) == (hits[i].instance == LS_NONE)
+                              : memcmp(other, &hits[i], sizeof *other) == 0;
+        if (!same)
         {
-            const LsHit* other = &gpu->tracer.hits[i];
-            const bool same = (run.flags & LS_RAY_FLAG_ANY_HIT) != 0
-                                  ? (other->instance == LS_NONE) == (hits[i].instance == LS_NONE)
-                                  : memcmp(other, &hits[i], sizeof *other) == 0;
-            if (!same)
-            {
-                fail_msg("ray %u: t %g of primitive %u in two passes, %g of %u in one", i, other->t,
-                         other->primitive, hits[i].t, hits[i].primitive);
-            }
+            fail_msg("ray %u: t %g of primitive %u in two passes, %g of %u in one", i, other->t,
+                     other->primitive, hits[i].t, hits[i].primitive);
         }
     }
 }

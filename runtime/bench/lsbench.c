@@ -271,7 +271,6 @@ static LsResult time_class(Bench* bench, LsRayClass class, const Options* option
     const LsAppRun run = {.ray_count = row->ray_count,
                           .flags = class == LS_SHADOW_RAYS ? LS_RAY_FLAG_ANY_HIT : 0,
                           .method = options->method,
-                          .coherent = class == LS_CAMERA_RAYS,
                           .passes = options->passes};
     LsResult result = LS_OK;
     double seconds = 0.0;

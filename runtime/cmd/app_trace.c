@@ -88,7 +88,6 @@ static LsResult record_run(const LsAppDevice* device, LsAppTracer* tracer, LsSce
         .flags = run->flags,
         .method = run->method,
         .scratch = takes_two_passes(device, run) ? tracer->scratch.address : 0,
-        .coherent = run->coherent,
     };
     ls_app_clock_begin(device, commands);
     LsResult result = ls_trace_record(scene, commands, &trace, error);

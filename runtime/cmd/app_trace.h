@@ -45,7 +45,6 @@ typedef struct LsAppRun
     uint32_t flags; // LS_RAY_FLAG_*
     LsMethod method;
     bool use_masks;
-    bool coherent; // rays of neighbouring numbers go similar ways
     LsAppPasses passes;
 } LsAppRun;
 

@@ -107,7 +107,6 @@ extern "C"
         // with one grid; 64-byte aligned. Batches that share it need a barrier between them, from
         // compute shader reads and writes to the same. 0: one pass.
         VkDeviceAddress scratch;
-        bool coherent; // rays of neighbouring numbers go similar ways; matters to speed alone
     } LsTraceDesc;
 
     // Bytes of scratch memory that a batch of `ray_count` rays can use; 0 where the scene (more
