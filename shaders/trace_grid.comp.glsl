@@ -32,9 +32,8 @@ layout(push_constant, std430) uniform Push
 #include "walk.glsl"
 
 #define LANES gl_WorkGroupSize.x
-const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays together
+const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays, or parts, together
 const uint FEWEST_PAIRS = LANES * 3u / 4u; // tests that wait before they are done
-const uint FEWEST_FREE = LANES / 4u;       // lanes without a ray before they take parts of others'
 const uint FEWEST_STEPS = 4u;              // between one division and the next
 const float FEWEST_CELLS = 2.0;            // that lie before a ray if its way is divided
 
@@ -360,7 +359,7 @@ void main()
             {
                 break;
             }
-            if (free_count >= FEWEST_FREE)
+            if (free_count >= FEWEST_IDLE)
             {
                 divide(traced, walk, walks);
             }
@@ -406,7 +405,7 @@ void main()
             steps_done++;
             if (steps)
             {
-                walks = !(traced.s_end < walk.s) && !ls_walk_is_over(get_grid(), traced.ray, walk);
+                walks = !ls_walk_is_over(get_grid(), traced.ray, walk) && !(traced.s_end < walk.s);
                 if (walks)
                 {
                     ls_walk_step(get_grid(), traced.ray, walk);

@@ -57,12 +57,12 @@ void make_boxes(uint object, uint first)
     lower = min(lower, subgroupShuffleXor(lower, 1u));
     upper = max(upper, subgroupShuffleXor(upper, 1u));
     float growth = objects.at[object].reach * GROWTH;
-    // First the corner: growth may be less than what coordinates far from 0 can tell apart.
-    precise vec3 lower_grown = (lower - objects.at[object].lower) - growth;
-    precise vec3 upper_grown = (upper - objects.at[object].lower) + growth;
     subgroupMemoryBarrierShared();
     if ((gl_SubgroupInvocationID & 1u) == 0u)
     {
+        // First the corner: growth may be less than what coordinates far from 0 can tell apart.
+        precise vec3 lower_grown = (lower - objects.at[object].lower) - growth;
+        precise vec3 upper_grown = (upper - objects.at[object].lower) + growth;
         lowers[gl_SubgroupInvocationID >> 1] = lower_grown;
         uppers[gl_SubgroupInvocationID >> 1] = upper_grown;
     }
