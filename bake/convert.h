@@ -1,5 +1,5 @@
-// convert.h - the part of an LsInput that one file brought, and its conversion into the scene's axes and
-// unit of length.
+// convert.h - the part of an LsInput that one file brought, and its conversion into the scene's
+// axes and unit of length.
 
 #ifndef LS_CONVERT_H
 #define LS_CONVERT_H
@@ -19,8 +19,8 @@ typedef struct LsInputPart
 // Where the next file's part will begin: to be called before its import.
 LsInputPart ls_input_part(const LsInput* input);
 
-// What `how` asks for by up, scale and flip, in the vertices, node matrices, instances, cameras, lamps
-// and keys themselves; the first half of ls_input_place, which says more.
+// What `how` asks for by up, scale and flip, in the vertices, node matrices, instances, cameras,
+// lamps and keys themselves; the first half of ls_input_place, which says more.
 LsResult ls_input_convert(LsInput* input, const LsInputPart* part, const LsBakeInput* how,
                           LsError* error);
 

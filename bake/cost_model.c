@@ -15,8 +15,8 @@ static bool is_link(uint32_t word)
     return (word & 15u) == 0;
 }
 
-// Skips that begin in a visit. A line of any direction crosses 1.5 cells for each of their widths on
-// average, so a skip of d cells goes on through 1.5 (d - 1) others.
+// Skips that begin in a visit. A line of any direction crosses 1.5 cells for each of their widths
+// on average, so a skip of d cells goes on through 1.5 (d - 1) others.
 static double word_steps(uint32_t word)
 {
     double sum = 0.0;

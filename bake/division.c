@@ -5,8 +5,8 @@
 #include "cost_model.h"
 #include "ls_format.h"
 
-// Of the tests of a voxel what masks of N = 1, 2, 3 leave: means over 100,000 voxels of sub-grids of
-// bunny, elephant and scenes of many sizes, which differ by a tenth.
+// Of the tests of a voxel what masks of N = 1, 2, 3 leave: means over 100,000 voxels of sub-grids
+// of bunny, elephant and scenes of many sizes, which differ by a tenth.
 static const double LEFT[] = {1.0, 0.75, 0.31, 0.21};
 #define USUAL_PATCHES 3
 

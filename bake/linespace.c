@@ -13,8 +13,8 @@
 //
 // Triangles are the lanes of the arithmetic, eight at a time, all of them by the same steps; in the
 // tables they are the bits of words. So the shafts are combined once for a voxel, not for each
-// triangle: a word of a shaft is the AND of three words of tables. Vectors are those of gcc and clang,
-// which become what the machine has; they give the same bits on every one.
+// triangle: a word of a shaft is the AND of three words of tables. Vectors are those of gcc and
+// clang, which become what the machine has; they give the same bits on every one.
 
 #include "linespace.h"
 
@@ -221,8 +221,8 @@ static void clear_tables(LsShaftTables* tables, int patches)
 
 // ---- Shafts -----------------------------------------------------------------------------------------
 
-// Writes one row of shafts, from patch `from` of a face to all patches of another: those of `row` but
-// for triangles whose plane has both patches on one side.
+// Writes one row of shafts, from patch `from` of a face to all patches of another: those of `row`
+// but for triangles whose plane has both patches on one side.
 static inline __attribute__((always_inline)) void write_row(const LsShaftScratch* scratch,
                                                             int face_a, int from, int face_b,
                                                             int count, const uint32_t* restrict row,

@@ -16,10 +16,10 @@ void ls_shaft_scratch_destroy(LsShaftScratch* scratch);
 uint64_t ls_shaft_scratch_bytes(void);
 
 // Sets bit k of the word of every shaft that triangle k may meet: each shaft whose hull, its two
-// patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more; all other
-// bits to 0. `corners` of up to 32 triangles in voxel space, where the voxel is [0,1]^3; `bound` in
-// voxel widths, below 0.25; patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches). The bits of a
-// triangle do not depend on the others.
+// patches grown to boxes by `bound` in all three axes, meets the triangle, and a few more; all
+// other bits to 0. `corners` of up to 32 triangles in voxel space, where the voxel is [0,1]^3;
+// `bound` in voxel widths, below 0.25; patches 1..LS_MAX_PATCHES; words: LS_SHAFT_COUNT(patches).
+// The bits of a triangle do not depend on the others.
 void ls_shafts_mark(const double (*corners)[3][3], uint32_t count, double bound, uint32_t patches,
                     uint32_t* words, LsShaftScratch* scratch);
 

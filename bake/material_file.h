@@ -14,11 +14,11 @@
 // Each object is a glTF 2.0 material or its fields laid flat: pbrMetallicRoughness with
 // baseColorFactor (3 or 4 numbers), metallicFactor, roughnessFactor; emissiveFactor and beside it
 // emissiveStrength (KHR_materials_emissive_strength); alphaMode OPAQUE or MASK, alphaCutoff,
-// doubleSided; ior (KHR_materials_ior); transmissionFactor (KHR_materials_transmission). What it does
-// not name stays as the file has it, textures too: they cannot be set here. A part that has triangles
-// of the material that files without share gets one of its own, if "*" or a bare object is given.
-// Errors, each naming the key: FILE_*, MATERIAL_* (no JSON; unknown keys, values out of range, names
-// that no material has), OUT_OF_MEMORY.
+// doubleSided; ior (KHR_materials_ior); transmissionFactor (KHR_materials_transmission). What it
+// does not name stays as the file has it, textures too: they cannot be set here. A part that has
+// triangles of the material that files without share gets one of its own, if "*" or a bare object
+// is given. Errors, each naming the key: FILE_*, MATERIAL_* (no JSON; unknown keys, values out of
+// range, names that no material has), OUT_OF_MEMORY.
 LsResult ls_input_override(LsInput* input, const LsInputPart* part, const LsBakeInput* how,
                            LsError* error);
 

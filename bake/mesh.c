@@ -1,4 +1,5 @@
-// mesh.c - checks an input mesh, welds it, finds its faults, and keeps the triangles that have an area.
+// mesh.c - checks an input mesh, welds it, finds its faults, and keeps the triangles that have an
+// area.
 
 #include "mesh.h"
 
@@ -85,9 +86,9 @@ static double squared_length(LsVec3 a, LsVec3 b)
     return x * x + y * y + z * z;
 }
 
-// Of three corners on a line the one between the others moves to the nearer. With two corners alike, two
-// of the triangle test's U, V, W are each other's opposite and the third is 0, to the last bit; three
-// different corners leave rounding something to hit.
+// Of three corners on a line the one between the others moves to the nearer. With two corners
+// alike, two of the triangle test's U, V, W are each other's opposite and the third is 0, to the
+// last bit; three different corners leave rounding something to hit.
 static void collapse(LsTriangle* triangle)
 {
     LsVec3* corners[3] = {&triangle->v0, &triangle->v1, &triangle->v2};

@@ -31,12 +31,13 @@ typedef struct LsMeshFindings
     LsMeshExamples examples;
 } LsMeshFindings;
 
-// Checks mesh `index` of the input, welds its vertices, looks for faults and copies its triangles and their
-// looks. Of `desc` the options of the mesh stage count. Faces without area are dropped, or kept as the
-// points and segments that they are: the middle one of three corners on a line moves to the nearer of the
-// others, which proves (SPEC 7.4) that no ray hits the triangle. A mesh whose faces all have no area has
-// none kept. The result does not depend on `threads`; `progress` may be NULL. Errors: MESH_NOT_FINITE, LIMIT_RECORDS, MESH_FAR,
-// MESH_EXTENT, OUT_OF_MEMORY; under --strict those of ls_looks_create.
+// Checks mesh `index` of the input, welds its vertices, looks for faults and copies its triangles
+// and their looks. Of `desc` the options of the mesh stage count. Faces without area are dropped,
+// or kept as the points and segments that they are: the middle one of three corners on a line moves
+// to the nearer of the others, which proves (SPEC 7.4) that no ray hits the triangle. A mesh whose
+// faces all have no area has none kept. The result does not depend on `threads`; `progress` may be
+// NULL. Errors: MESH_NOT_FINITE, LIMIT_RECORDS, MESH_FAR, MESH_EXTENT, OUT_OF_MEMORY; under
+// --strict those of ls_looks_create.
 LsResult ls_mesh_create(LsMesh* mesh, LsInput* input, uint32_t index, const LsBakeDesc* desc,
                         uint32_t threads, const LsStageProgress* progress, LsMeshFindings* findings,
                         LsError* error);

@@ -1,5 +1,5 @@
-// normals.c - G. Thürmer, C. Wüthrich, "Computing Vertex Normals from Polygonal Facets", JGT 3(1), 1998:
-// weights by angle do not depend on how a surface is cut into triangles.
+// normals.c - G. Thürmer, C. Wüthrich, "Computing Vertex Normals from Polygonal Facets", JGT 3(1),
+// 1998: weights by angle do not depend on how a surface is cut into triangles.
 
 #include "normals.h"
 

@@ -6,8 +6,8 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-// A vertex with more faces round it than this is no point of a smooth surface: corners there keep their
-// faces' own normals, and time stays bounded.
+// A vertex with more faces round it than this is no point of a smooth surface: corners there keep
+// their faces' own normals, and time stays bounded.
 #define LS_SMOOTH_FACES 1024
 
 // What normals are made from.
@@ -21,10 +21,10 @@ typedef struct LsSmoothFaces
     uint32_t vertex_count; // welded
 } LsSmoothFaces;
 
-// Makes a word of NORMALS for each corner: the sum, weighted by their angles there, of the normals of
-// those faces round its vertex that differ from its own face's by at most `degrees`. LS_NONE at corners
-// of flat faces and where the sum is zero. `words` has room for three per face. The result does not depend on
-// `threads`. False when out of memory.
+// Makes a word of NORMALS for each corner: the sum, weighted by their angles there, of the normals
+// of those faces round its vertex that differ from its own face's by at most `degrees`. LS_NONE at
+// corners of flat faces and where the sum is zero. `words` has room for three per face. The result
+// does not depend on `threads`. False when out of memory.
 bool ls_normals_smooth(const LsSmoothFaces* faces, double degrees, uint32_t threads,
                        uint32_t* words);
 

@@ -8,8 +8,8 @@
 // The largest angle, in radians, between a vector and what its word decodes to.
 #define LS_OCTAHEDRAL_ERROR 4.4e-5
 
-// The word whose vector is nearest to `v`, which is finite and not zero but need not be of length 1.
-// Never LS_NONE.
+// The word whose vector is nearest to `v`, which is finite and not zero but need not be of length
+// 1. Never LS_NONE.
 uint32_t ls_octahedral_encode(const double v[3]);
 
 // The vector of a word other than LS_NONE, of length 1.

@@ -228,8 +228,8 @@ static LsResult count_corners(LsPackLooks* looks, LsFileDesc* desc, uint32_t mes
     return ok ? LS_OK : report_memory(error);
 }
 
-// Copies the three records of each triangle, from the order of faces to that of triangles, behind the
-// records so far; returns where they begin, LS_NONE without any.
+// Copies the three records of each triangle, from the order of faces to that of triangles, behind
+// the records so far; returns where they begin, LS_NONE without any.
 static uint32_t copy_corners(const LsMesh* mesh, const void* source, size_t record, void* target,
                              uint64_t* count)
 {

@@ -73,8 +73,8 @@ static Box transform_box(const Box* box, const double matrix[3][4])
     return grown;
 }
 
-// World space, grown by the triangles of all instances. An instance whose transformed box lies within
-// what is there already is not looked at more closely: thousands of instances stay cheap.
+// World space, grown by the triangles of all instances. An instance whose transformed box lies
+// within what is there already is not looked at more closely: thousands of instances stay cheap.
 static LsResult find_part_box(const LsInput* input, const LsInputPart* part, Box* box,
                               LsError* error)
 {

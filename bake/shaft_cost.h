@@ -1,11 +1,11 @@
 // shaft_cost.h - how many triangles a ray through a voxel is expected to test.
 //
-// Rays are taken for lines that cross the voxel uniformly: each equally likely in the measure that no
-// motion changes. Shaft s then carries the part A_s F_s / 3 of them, A_s F_s being the exchange area of
-// its two patches, a third of the unit cube's six faces' sum over unordered pairs. In units of 2^-30, so that
-// sums are whole numbers. Up to LS_MAX_CHOSEN_PATCHES no weight lies near the middle between two of
-// them (test_shaft_cost.c), so they do not depend on the last bits of the C library's log and atan: only
-// these may decide what is stored.
+// Rays are taken for lines that cross the voxel uniformly: each equally likely in the measure that
+// no motion changes. Shaft s then carries the part A_s F_s / 3 of them, A_s F_s being the exchange
+// area of its two patches, a third of the unit cube's six faces' sum over unordered pairs. In units
+// of 2^-30, so that sums are whole numbers. Up to LS_MAX_CHOSEN_PATCHES no weight lies near the
+// middle between two of them (test_shaft_cost.c), so they do not depend on the last bits of the C
+// library's log and atan: only these may decide what is stored.
 
 #ifndef LS_SHAFT_COST_H
 #define LS_SHAFT_COST_H
@@ -39,8 +39,8 @@ double ls_shaft_weight(uint32_t shaft, uint32_t patches);
 // Triangles that a line through a voxel with these masks, one word a shaft, is expected to test.
 double ls_shaft_tests(const LsShaftWeights* weights, const uint32_t* masks);
 
-// The tests that N = n + 1 is expected to save where n left `here` and n - 1 left `before`. A search for
-// the best N ends where that would not pay.
+// The tests that N = n + 1 is expected to save where n left `here` and n - 1 left `before`. A
+// search for the best N ends where that would not pay.
 double ls_expected_saving(uint32_t n, double before, double here);
 
 // The tests in a voxel that is a BVH leaf: `nodes` is its BVH, in grid space. A line meets a box in

@@ -1,7 +1,7 @@
 // shaft_tables.c - fills the tables of the shaft test, a triangle a lane.
 //
-// Compiled once for each kind of vectors, with LS_SUFFIX naming it. The arithmetic is exact to the bit
-// in all of them: nothing is contracted, and no sum is taken across lanes.
+// Compiled once for each kind of vectors, with LS_SUFFIX naming it. The arithmetic is exact to the
+// bit in all of them: nothing is contracted, and no sum is taken across lanes.
 
 #include "shaft_tables.h"
 
@@ -23,8 +23,8 @@
 #define EACH(number) ((number) - (LsLanes){0})
 #define EACH_BITS(number) ((number) | (LsLaneMask){0})
 
-// Points in the plane of axes a and c, mirrored so that segments begin at a = 0: the corners, then the
-// ends of the chord on a = e, if it crosses; a is infinite where there is none.
+// Points in the plane of axes a and c, mirrored so that segments begin at a = 0: the corners, then
+// the ends of the chord on a = e, if it crosses; a is infinite where there is none.
 typedef struct Points
 {
     LsLanes a[MAX_POINTS], c[MAX_POINTS];
@@ -80,8 +80,8 @@ INLINE void find_stretch(const LsLanes* a, const LsLanes* e, double zone_low, do
     *most = CHOOSE(high > low, high, low);
 }
 
-// Widens [low, high] by the c at which segments from [y_low, y_high] on |a| <= e through (a, c) end,
-// with a in the zone, all grown by e. Points behind the zone's end are not passed.
+// Widens [low, high] by the c at which segments from [y_low, y_high] on |a| <= e through (a, c)
+// end, with a in the zone, all grown by e. Points behind the zone's end are not passed.
 INLINE void widen_by_point(const LsLanes* a, const LsLanes* c, const LsLanes* least,
                            const LsLanes* most, const LsLanes* e, double y_low, double y_high,
                            double zone_high, LsLanes* low, LsLanes* high)

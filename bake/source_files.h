@@ -25,8 +25,8 @@ typedef struct LsSourceFiles
 // Lists the files of all inputs, those too that are named and not there. Errors: OUT_OF_MEMORY.
 LsResult ls_source_files_list(LsSourceFiles* files, const LsBakeDesc* desc, LsError* error);
 
-// Whether all are still as they were when they were listed, by size and time: else what has been read
-// need not be what has been hashed. Errors: FILE_CHANGED.
+// Whether all are still as they were when they were listed, by size and time: else what has been
+// read need not be what has been hashed. Errors: FILE_CHANGED.
 LsResult ls_source_files_check(const LsSourceFiles* files, LsError* error);
 
 // Whether a file may be written at `path`: not over one of these. Errors: USAGE_OUTPUT_IS_INPUT.

@@ -6,10 +6,10 @@
 #include "source_files.h"
 #include "tables.h"
 
-// Hashes all that decides the bytes of the file, without importing: the contents of the files in their
-// order, whatever their names, the options, and the versions of format and baker. `choice` is that in
-// use. A file that cannot be read counts as one that is not there: the import will say so. Does not depend on
-// `threads`. Errors: OUT_OF_MEMORY.
+// Hashes all that decides the bytes of the file, without importing: the contents of the files in
+// their order, whatever their names, the options, and the versions of format and baker. `choice` is
+// that in use. A file that cannot be read counts as one that is not there: the import will say so.
+// Does not depend on `threads`. Errors: OUT_OF_MEMORY.
 LsResult ls_source_hash(const LsSourceFiles* files, const LsBakeDesc* desc,
                         const LsPatchesChoice* choice, uint32_t threads, uint8_t hash[16],
                         LsError* error);

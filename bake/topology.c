@@ -1,4 +1,5 @@
-// topology.c - sides of faces sorted by their two vertices; faces joined into parts with a parity each.
+// topology.c - sides of faces sorted by their two vertices; faces joined into parts with a parity
+// each.
 
 #include "topology.h"
 
@@ -243,8 +244,8 @@ static void join_faces(Table* table, uint32_t face_a, uint32_t face_b, uint32_t 
 
 // ---- Edges --------------------------------------------------------------------------------------
 
-// Marks faces with the corners of an earlier one among those of an edge. Faces are compared at the edge
-// of their two least vertices alone.
+// Marks faces with the corners of an earlier one among those of an edge. Faces are compared at the
+// edge of their two least vertices alone.
 static bool mark_duplicates(Table* table, const Run* run)
 {
     Side* third = malloc(run->count * sizeof *third); // `high` is the third corner here
@@ -395,8 +396,8 @@ typedef struct Step
     uint32_t from, to, face;
 } Step;
 
-// The boundary edge behind a step, round its end. Its count is not 1 where the fan ends at an edge of
-// three faces or more.
+// The boundary edge behind a step, round its end. Its count is not 1 where the fan ends at an edge
+// of three faces or more.
 static Run next_edge(const Table* table, Step* step)
 {
     for (;;)

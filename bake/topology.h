@@ -1,7 +1,8 @@
-// topology.h - how the faces of a mesh hang together: a table of its edges, and what is wrong there.
+// topology.h - how the faces of a mesh hang together: a table of its edges, and what is wrong
+// there.
 //
-// Nothing is repaired. The table is the baker's own, since half-edge libraries cannot hold, or quietly
-// mend, just the meshes that are of interest here.
+// Nothing is repaired. The table is the baker's own, since half-edge libraries cannot hold, or
+// quietly mend, just the meshes that are of interest here.
 
 #ifndef LS_TOPOLOGY_H
 #define LS_TOPOLOGY_H
@@ -25,8 +26,9 @@ typedef struct LsMeshExamples
     uint32_t count[LS_MESH_FAULT_COUNT];
 } LsMeshExamples;
 
-// Fills the counts of faults and edges in `report` (its other fields stay) and the examples. Neither
-// depends on `threads`. False when out of memory: 8 bytes per edge of a face and 10 per face.
+// Fills the counts of faults and edges in `report` (its other fields stay) and the examples.
+// Neither depends on `threads`. False when out of memory: 8 bytes per edge of a face and 10 per
+// face.
 bool ls_topology_check(const LsFaces* faces, uint32_t threads, LsMeshReport* report,
                        LsMeshExamples* examples);
 

@@ -30,9 +30,9 @@ typedef struct LsVoxels
 } LsVoxels;
 
 // Voxelizes at `grid` cells along the mesh's longest side, or fewer where the triangles crowd: see
-// voxels->frame. Copies (ls_find_copies) are named by no voxel. What is not divided and has too many
-// triangles for masks is a BVH. The result does not depend on `threads`. `progress` may be NULL.
-// Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
+// voxels->frame. Copies (ls_find_copies) are named by no voxel. What is not divided and has too
+// many triangles for masks is a BVH. The result does not depend on `threads`. `progress` may be
+// NULL. Errors: OUT_OF_MEMORY, LIMIT_RECORDS (more voxels or references than the format counts).
 LsResult ls_voxels_create(LsVoxels* voxels, const LsMesh* mesh, uint32_t grid,
                           const LsDivisionRule* rule, uint32_t threads,
                           const LsStageProgress* progress, LsError* error);

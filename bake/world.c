@@ -318,7 +318,8 @@ static void store_light(LsWorld* world, LsLight light, double power, double* sum
     world->lights[world->light_count++] = light;
 }
 
-// Whether the emissive triangles of all instances can be counted, before they are visited one by one.
+// Whether the emissive triangles of all instances can be counted, before they are visited one by
+// one.
 static LsResult bound_lights(const LsWorld* world, const LsInput* input, const LsMesh* meshes,
                              LsError* error)
 {

@@ -5,8 +5,8 @@
 
 #include "context.h"
 
-// Rays per work group of the kernel that does all at once: one warp on the widest hardware in use; a CPU
-// device likes it as well.
+// Rays per work group of the kernel that does all at once: one warp on the widest hardware in use;
+// a CPU device likes it as well.
 #define LS_TRACE_GROUP_SIZE 32u
 
 #define LS_TRACE_METHOD_COUNT 4u // of LsMethod
@@ -17,8 +17,8 @@ typedef struct LsTraceKernel
     VkPipelineLayout layout;
     VkPipeline whole[LS_TRACE_METHOD_COUNT]; // by LsMethod: a ray a thread, LsTraceParams
     VkPipeline lockstep; // LsLockstepParams, in groups of context->shared_lanes; or null
-    // Two passes for scenes with one grid, where the device can; else null. First LsListParams, then
-    // LsGridParams, both in groups of context->shared_lanes.
+    // Two passes for scenes with one grid, where the device can; else null. First LsListParams,
+    // then LsGridParams, both in groups of context->shared_lanes.
     VkPipeline lists;
     VkPipeline grid;
 } LsTraceKernel;

@@ -39,8 +39,8 @@ static LsResult check_desc(const LsTraceDesc* desc, LsError* error)
     return LS_OK;
 }
 
-// Rays of one dispatch in groups of `group_size`: as many as the device allows groups, but few enough that 32 bits
-// hold every byte offset in their arrays.
+// Rays of one dispatch in groups of `group_size`: as many as the device allows groups, but few
+// enough that 32 bits hold every byte offset in their arrays.
 static uint64_t find_dispatch_limit(const LsContext* context, uint32_t group_size)
 {
     const uint64_t by_groups = (uint64_t)context->max_group_count * group_size;
@@ -127,7 +127,8 @@ static void record_lockstep(const LsScene* scene, VkCommandBuffer commands, cons
     }
 }
 
-// Groups of lanes that refill: more than any device runs at a time; those that come late find no ray left.
+// Groups of lanes that refill: more than any device runs at a time; those that come late find no
+// ray left.
 #define MAX_REFILLING_GROUPS 8192u
 
 static void record_passes(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)

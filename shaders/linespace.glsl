@@ -123,7 +123,8 @@ bool ls_trace_object(inout LsLocalRay ray, inout LsBest best)
     LS_FIND_OBJECT(objects, ray.object);
     uint count = LS_FOUND(objects, ray.object).triangle_count;
     bool has_grid =
-        LS_HAS_GRIDS != 0u && (LS_HAS_LISTS == 0u || LS_FOUND(objects, ray.object).kind == LS_OBJECT_GRID);
+        LS_HAS_GRIDS != 0u &&
+        (LS_HAS_LISTS == 0u || LS_FOUND(objects, ray.object).kind == LS_OBJECT_GRID);
     if (LS_METHOD == LS_METHOD_BRUTE)
     {
         return ls_test_all(ray, best, count);

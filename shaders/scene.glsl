@@ -49,8 +49,8 @@ LS_ARRAY(LsWordArray, uint, 4);
 LS_ARRAY(LsAddressArray, uvec2, 8);
 
 // Records are read through the macros from here on alone: LS_FIND_... declares what LS_FOUND then
-// reads fields of. They may name an argument twice. As functions they cost the second pass 5 to 12 %
-// of its speed on an NVIDIA H100 although nothing is cut (docs/benchmarks.md, "Large input").
+// reads fields of. They may name an argument twice. As functions they cost the second pass 5 to 12
+// % of its speed on an NVIDIA H100 although nothing is cut (docs/benchmarks.md, "Large input").
 #ifdef LS_TEXELS
 #include "texels.glsl"
 #else

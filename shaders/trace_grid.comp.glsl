@@ -1,12 +1,13 @@
 // trace_grid.comp.glsl - second pass over scenes with one grid: the queued rays through it.
 //
-// Lanes walk until enough triangles wait to be tested. Then all lanes of the subgroup share the tests, a pair of
-// ray and triangle each, whichever ray it belongs to; owners collect what was found. So neither
-// long walks nor long lists leave the other lanes idle for long. A lane whose ray has ended takes the next one
-// from the queue (T. Aila, S. Laine, "Understanding the Efficiency of Ray Traversal on GPUs", HPG 2009), unless
-// LS_REFILL is 0, for devices that bound the rounds of loops. Some rays meet many times more cells than
-// others, and a batch ends with its last ray: when the queue is empty, lanes without a ray take half of
-// the way that another still has before it, again and again. A group is one subgroup, of at most 32 lanes.
+// Lanes walk until enough triangles wait to be tested. Then all lanes of the subgroup share the
+// tests, a pair of ray and triangle each, whichever ray it belongs to; owners collect what was
+// found. So neither long walks nor long lists leave the other lanes idle for long. A lane whose ray
+// has ended takes the next one from the queue (T. Aila, S. Laine, "Understanding the Efficiency of
+// Ray Traversal on GPUs", HPG 2009), unless LS_REFILL is 0, for devices that bound the rounds of
+// loops. Some rays meet many times more cells than others, and a batch ends with its last ray: when
+// the queue is empty, lanes without a ray take half of the way that another still has before it,
+// again and again. A group is one subgroup, of at most 32 lanes.
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -32,7 +33,7 @@ layout(push_constant, std430) uniform Push
 #include "walk.glsl"
 
 #define LANES gl_WorkGroupSize.x
-const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays, or parts, together
+const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays or parts
 const uint FEWEST_PAIRS = LANES * 3u / 4u; // tests that wait before they are done
 const uint FEWEST_STEPS = 4u;              // between one division and the next
 const float FEWEST_CELLS = 2.0;            // that lie before a ray if its way is divided
@@ -98,7 +99,8 @@ bool begin(uint slot, inout Traced traced, inout LsWalk walk)
     return ls_walk_begin(get_grid(), traced.ray, walk);
 }
 
-// Writes the hit of a ray that has ended, if it lies in the grid; else what the first pass wrote stands.
+// Writes the hit of a ray that has ended, if it lies in the grid; else what the first pass wrote
+// stands.
 void finish(inout Traced traced)
 {
     if (traced.triangle == LS_NONE)
@@ -149,8 +151,8 @@ bool keep(inout Traced traced, float s, uint triangle)
 }
 
 // Does as many of the waiting tests as there are lanes: those of `pending`, whose bit k stands for
-// reference k from `first_reference` on, in the order of lanes and bits. Takes their bits away; all lanes come
-// here together, `pair_count` is the sum of their bits. True if the lane's ray may end.
+// reference k from `first_reference` on, in the order of lanes and bits. Takes their bits away; all
+// lanes come here together, `pair_count` is the sum of their bits. True if the lane's ray may end.
 bool share_tests(inout Traced traced, inout uint pending, uint first_reference, uint pair_count)
 {
     uint lane = gl_SubgroupInvocationID;
@@ -207,8 +209,8 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
     return may_end;
 }
 
-// Takes what ended parts of rays have found to the rays' owners and frees their lanes; writes the hits
-// of rays of which no part is left, and tells the other parts what is known.
+// Takes what ended parts of rays have found to the rays' owners and frees their lanes; writes the
+// hits of rays of which no part is left, and tells the other parts what is known.
 void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
 {
     uint lane = gl_SubgroupInvocationID;
@@ -257,8 +259,8 @@ void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
 
 #define TAKE(value) value = subgroupShuffle(value, giver)
 
-// Lanes without a ray take the second half of the way that others have before them. They start there as
-// rays do that begin inside a grid, which loses no hit (docs/exactness.md).
+// Lanes without a ray take the second half of the way that others have before them. They start
+// there as rays do that begin inside a grid, which loses no hit (docs/exactness.md).
 void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
 {
     uint lane = gl_SubgroupInvocationID;

@@ -1,10 +1,11 @@
-// trace_lists.comp.glsl - first pass over scenes with one grid: each ray through the lists, such as walls and
-// lights, and those that meet the grid's box into a queue. Every ray has its hit so far afterwards.
+// trace_lists.comp.glsl - first pass over scenes with one grid: each ray through the lists, such as
+// walls and lights, and those that meet the grid's box into a queue. Every ray has its hit so far
+// afterwards.
 //
-// Lists and grid in one kernel make every lane wait for those that walk the grid; here the lanes of a subgroup
-// do the same work, and in trace_grid.comp.glsl all of them walk. Of a list each ray tests only those
-// triangles whose boxes it meets, two to a box, as a wall is two triangles. A group is one subgroup,
-// of at most 32 lanes.
+// Lists and grid in one kernel make every lane wait for those that walk the grid; here the lanes of
+// a subgroup do the same work, and in trace_grid.comp.glsl all of them walk. Of a list each ray
+// tests only those triangles whose boxes it meets, two to a box, as a wall is two triangles. A
+// group is one subgroup, of at most 32 lanes.
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -33,8 +34,8 @@ layout(push_constant, std430) uniform Push
 shared vec3 lowers[LANES / 2u];
 shared vec3 uppers[LANES / 2u];
 
-// How far boxes grow, as a part of an object's `reach`, which is twice its longest side: what rounding
-// can do to boxes, rays and tests is a third of it (docs/exactness.md).
+// How far boxes grow, as a part of an object's `reach`, which is twice its longest side: what
+// rounding can do to boxes, rays and tests is a third of it (docs/exactness.md).
 const float GROWTH = 7.62939453125e-06; // 2^-17
 
 bool sees(uint instance, uint mask)
@@ -69,8 +70,8 @@ void make_boxes(uint object, uint first)
     subgroupMemoryBarrierShared();
 }
 
-// Tests those of triangles `first` to `end` of a ray's list whose boxes it meets. True if the ray may
-// end.
+// Tests those of triangles `first` to `end` of a ray's list whose boxes it meets. True if the ray
+// may end.
 bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end)
 {
     vec3 inverse = ls_inverse_direction(ray.direction);
@@ -102,8 +103,8 @@ bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end)
 }
 
 // Traces a scaled ray through the instances that are lists, unless it is `done`; true if it is done
-// then. All lanes look at the same node at a time: scenes of one grid have few. Tells whether the ray
-// meets the grid's box.
+// then. All lanes look at the same node at a time: scenes of one grid have few. Tells whether the
+// ray meets the grid's box.
 bool trace_lists(LsRay ray, uint mask, bool done, inout LsBest best, out bool meets_grid)
 {
     LsBvhNodeArray nodes = LsBvhNodeArray(params.top_nodes);

@@ -222,8 +222,8 @@ void test_next(inout Traced traced)
     }
 }
 
-// Traces the group's rays through the lists. Every ray has its hit so far afterwards, and those that
-// meet the grid are in the queue; returns their number.
+// Traces the group's rays through the lists. Every ray has its hit so far afterwards, and those
+// that meet the grid are in the queue; returns their number.
 uint trace_lists()
 {
     uint instance_count = params.instance_count;
@@ -299,7 +299,8 @@ uint trace_lists()
     return queued_count;
 }
 
-// Marks the answers of rays that too many rounds went by for: those at hand and those from `next` on.
+// Marks the answers of rays that too many rounds went by for: those at hand and those from `next`
+// on.
 void give_up(uint word, uint next, uint queued_count, uint idle_lanes)
 {
     if ((idle_lanes >> gl_SubgroupInvocationID & 1u) == 0u)

@@ -10,8 +10,8 @@
 #include "scene.glsl"
 
 // Set where a device ended a loop before its time: llvmpipe (Mesa 22.3) ends all loops of an
-// invocation, without a word, after 65535 rounds in sum. The answer is then not to be trusted. After
-// a loop its condition is asked again, in other words, lest the compiler knows the answer.
+// invocation, without a word, after 65535 rounds in sum. The answer is then not to be trusted.
+// After a loop its condition is asked again, in other words, lest the compiler knows the answer.
 bool ls_cut;
 
 // What a ray has come across, for LS_METHOD_COUNT: cells or empty cubes and boxes of BVHs in
@@ -56,8 +56,8 @@ uint ls_max_axis(vec3 v)
     return v.x >= v.y && v.x >= v.z ? 0u : (v.y >= v.z ? 1u : 2u);
 }
 
-// Whether a component is that of an axis. Selecting by it, rather than by an index that is known at run
-// time only, keeps vectors in registers.
+// Whether a component is that of an axis. Selecting by it, rather than by an index that is known at
+// run time only, keeps vectors in registers.
 bvec3 ls_is_axis(uint axis)
 {
     return equal(uvec3(0u, 1u, 2u), uvec3(axis));
@@ -158,8 +158,8 @@ vec3 ls_permute(vec3 v, uint major)
     return major == 2u ? v : (major == 1u ? v.zxy : v.yzx);
 }
 
-// The corners of a triangle relative to the ray's origin, their projections along the ray, and U, V, W
-// of SPEC 7.4.
+// The corners of a triangle relative to the ray's origin, their projections along the ray, and U,
+// V, W of SPEC 7.4.
 struct LsProjection
 {
     vec3 a, b, c;
@@ -258,8 +258,8 @@ bool ls_is_culled(LsProjection p, float depth, bool mirrored, uint flags)
     return (flags & (front ? LS_RAY_FLAG_CULL_FRONT_FACING : LS_RAY_FLAG_CULL_BACK_FACING)) != 0u;
 }
 
-// Corner weights of the last hit that ls_test_triangle kept; kernels that never read them do not have
-// them.
+// Corner weights of the last hit that ls_test_triangle kept; kernels that never read them do not
+// have them.
 vec2 ls_best_weights;
 
 // Tests triangle `number` of the ray's object, and keeps it if it is the best so far. Returns

@@ -56,8 +56,8 @@ void ls_gpu_scene_close(LsGpuScene* scene)
     *scene = (LsGpuScene){0};
 }
 
-// Exact tracing must answer alike in one pass and in two. Of rays that take any hit only whether there
-// is one can be compared.
+// Exact tracing must answer alike in one pass and in two. Of rays that take any hit only whether
+// there is one can be compared.
 static void require_same_in_passes(LsGpu* gpu, const LsGpuScene* scene, const LsAppRun* whole,
                                    const LsHit* hits)
 {

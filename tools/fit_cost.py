@@ -11,6 +11,7 @@ chosen, so it is one of the others.
 import csv
 import math
 import os
+import re
 import sys
 
 UNITS = {"K": 1 << 10, "M": 1 << 20, "G": 1 << 30}
@@ -50,6 +51,12 @@ def root_mean_square(values):
     return math.sqrt(sum(v * v for v in values) / len(values))
 
 
+def compiled_constants():
+    """The two constants that lsbake has."""
+    header = open(os.path.join(os.path.dirname(__file__), "../bake/cost_model.h")).read()
+    return [float(re.search(rf"#define {name} ([0-9.]+)", header)[1]) for name in ("LS_STEP_COST", "LS_LOOKUP_COST")]
+
+
 def fit(scenes):
     best = (math.inf, 0.0, 0.0)
     for step in [0.25 * i for i in range(2, 33)]:
@@ -74,7 +81,7 @@ def main():
     print(f"least error: STEP {step:.2f}, LOOKUP {lookup:.2f}, {100 * error:.1f} % (root of the mean square)\n")
     print("| scene | bakes | time by work, ms | error, root of the mean square | largest |\n|---|---|---|---|---|")
     for scene, rows in sorted(scenes.items()):
-        begin, slope, errors = scene_errors(rows, 3.0, 2.0)
+        begin, slope, errors = scene_errors(rows, *compiled_constants())
         print(f"| {scene} | {len(rows)} | {begin:.3f} + {slope:.4f} work | {100 * root_mean_square(errors):.1f} % | "
               f"{100 * max(map(abs, errors)):.1f} % |")
     print("\n| scene | memory | chosen: cells | MB | ms | best: cells, setting | MB | ms | ratio |\n|---|---|---|---|---|---|---|---|---|")
