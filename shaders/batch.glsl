@@ -56,4 +56,10 @@ uint get_mask(uvec2 masks, uint index)
     return masks == uvec2(0) ? 255u : MaskArray(masks).at[index];
 }
 
+// LsHit.flags of hit `index`.
+uint get_flags(uvec2 hits, uint index)
+{
+    return MaskArray(hits).at[8u * index + 7u];
+}
+
 #endif

@@ -25,6 +25,12 @@ void main()
     {
         return;
     }
+#ifdef LS_TEXELS
+    if ((params.flags & LS_TRACE_CUT_ALONE) != 0u && get_flags(params.hits, index) != LS_HIT_CUT)
+    {
+        return;
+    }
+#endif
     uint mask = get_mask(params.masks, index);
     LsRay ray = RayArray(params.rays).at[index];
     LsHit hit = ls_trace_ray(ray, mask, params.flags);

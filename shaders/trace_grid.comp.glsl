@@ -231,12 +231,12 @@ void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
     }
 
     notes[lane] = 0u; // whether a part of its ray is left
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
     if (traced.owner != LS_NONE && !has_ended)
     {
         notes[traced.owner] = 1u;
     }
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
     uint owner = traced.owner == LS_NONE ? lane : traced.owner;
     // What lies behind the owner's hit is of no use, as far as rounding of s + s0 lets one say so.
     float s_known = subgroupShuffle(traced.ray.smax, owner);
@@ -286,7 +286,7 @@ void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
     {
         notes[gives_to] = lane;
     }
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
     uint giver = takes ? notes[takes_from] : lane;
     float s_end = subgroupShuffle(traced.s_end, giver);
     if (gives)
@@ -424,7 +424,8 @@ void main()
             }
         }
     }
-    if (LS_REFILL == 0u && queues_ray && subgroupAny(walks || walk.mask != 0u))
+    bool is_cut = subgroupAny(traced.owner != LS_NONE);
+    if (LS_REFILL == 0u && queues_ray && is_cut)
     {
         // A device ended the loop; whose ray it was cannot be told.
         uint index = Queue(params.queue).rays[gl_GlobalInvocationID.x].index;

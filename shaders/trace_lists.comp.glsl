@@ -58,7 +58,7 @@ void make_boxes(uint object, uint first)
     lower = min(lower, subgroupShuffleXor(lower, 1u));
     upper = max(upper, subgroupShuffleXor(upper, 1u));
     float growth = objects.at[object].reach * GROWTH;
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
     if ((gl_SubgroupInvocationID & 1u) == 0u)
     {
         // First the corner: growth may be less than what coordinates far from 0 can tell apart.
@@ -67,7 +67,7 @@ void make_boxes(uint object, uint first)
         lowers[gl_SubgroupInvocationID >> 1] = lower_grown;
         uppers[gl_SubgroupInvocationID >> 1] = upper_grown;
     }
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
 }
 
 // Tests those of triangles `first` to `end` of a ray's list whose boxes it meets. True if the ray

@@ -300,12 +300,16 @@ uint trace_lists()
 }
 
 // Marks the answers of rays that too many rounds went by for: those at hand and those from `next`
-// on.
-void give_up(uint word, uint next, uint queued_count, uint idle_lanes)
+// on. trace.comp.glsl traces them once more.
+void give_up(inout Traced traced, uint next, uint queued_count, uint idle_lanes)
 {
-    if ((idle_lanes >> gl_SubgroupInvocationID & 1u) == 0u)
+    if ((idle_lanes >> gl_SubgroupInvocationID & 1u) != 0u)
     {
-        HitArray(params.hits).at[ray_index(word)].flags = LS_HIT_CUT;
+        finish(traced);
+    }
+    else
+    {
+        HitArray(params.hits).at[ray_index(traced.word)].flags = LS_HIT_CUT;
     }
     for (uint slot = next + gl_SubgroupInvocationID; slot < queued_count; slot += LANES)
     {
@@ -373,6 +377,6 @@ void main()
     }
     if (!drained)
     {
-        give_up(traced.word, next, queued_count, idle_lanes);
+        give_up(traced, next, queued_count, idle_lanes);
     }
 }

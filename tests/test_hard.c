@@ -131,11 +131,88 @@ static void test_fine_grids(void** state)
     check_mesh(LS_HARD_MESH_NEEDLES, 64);
 }
 
+// Specks in even disorder, of which a line meets none or one, though cells and masks of N = 1 ask for many.
+static LsTestMesh make_specks(uint32_t side)
+{
+    const uint32_t count = side * side * side;
+    LsTestMesh mesh = {.positions = malloc(9ull * count * sizeof(float)),
+                       .vertex_count = 3 * count,
+                       .indices = malloc(3ull * count * sizeof(uint32_t)),
+                       .triangle_count = count};
+    assert_non_null(mesh.positions);
+    assert_non_null(mesh.indices);
+    LsRandom random = {3};
+    for (uint32_t i = 0; i < count; i++)
+    {
+        const uint32_t cell[3] = {i % side, i / side % side, i / (side * side)};
+        double middle[3];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            middle[axis] = (cell[axis] + ls_random_between(&random, 0.2, 0.8)) / side;
+        }
+        for (uint32_t corner = 0; corner < 3; corner++)
+        {
+            for (uint32_t axis = 0; axis < 3; axis++)
+            {
+                mesh.positions[9 * i + 3 * corner + axis] =
+                    (float)(middle[axis] + ls_random_between(&random, -0.0015, 0.0015));
+            }
+            mesh.indices[3 * i + corner] = 3 * i + corner;
+        }
+    }
+    return mesh;
+}
+
+// Rays whose tests are more than a kernel that traces many of them a lane has rounds for, which
+// llvmpipe's has (LS_LOCKSTEP_ROUNDS), are traced all the same.
+static void test_many_tests(void** state)
+{
+    (void)state;
+    LsTestMesh mesh = make_specks(48);
+    LsBaked baked;
+    ls_baked_open(&baked, &mesh, "specks", LS_TEST_ALONE, 16, 1, 0);
+    LsGpuScene scene;
+    ls_gpu_scene_open(&gpu, &scene, baked.path);
+    enum
+    {
+        COUNT = 4096
+    };
+    static LsRay rays[COUNT];
+    static LsHit exact[COUNT], grid[COUNT];
+    LsRandom random = {11};
+    for (uint32_t i = 0; i < COUNT; i++)
+    {
+        float numbers[6];
+        for (int axis = 0; axis < 3; axis++)
+        {
+            numbers[axis] = (float)ls_random_between(&random, -0.05, 0.05);
+            numbers[3 + axis] = (float)ls_random_between(&random, 0.98, 1.02);
+        }
+        rays[i] = (LsRay){.origin = {numbers[0], numbers[1], numbers[2]},
+                          .direction = {numbers[3], numbers[4], numbers[5]},
+                          .tmax = INFINITY};
+    }
+    ls_gpu_trace(&gpu, &scene, LS_TRACE_EXACT, 0, rays, NULL, COUNT, exact);
+    ls_gpu_trace(&gpu, &scene, LS_TRACE_GRID, 0, rays, NULL, COUNT, grid);
+    uint32_t hits = 0;
+    for (uint32_t i = 0; i < COUNT; i++)
+    {
+        hits += grid[i].instance != LS_NONE;
+        assert_memory_equal(&exact[i], &grid[i], sizeof exact[i]);
+    }
+    printf("specks: %u of %d rays hit\n", hits, COUNT);
+    assert_true(hits > 100 && hits < COUNT / 2);
+    ls_gpu_scene_close(&scene);
+    ls_baked_close(&baked);
+    ls_test_mesh_destroy(&mesh);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_hard_meshes),
         cmocka_unit_test(test_fine_grids),
+        cmocka_unit_test(test_many_tests),
     };
     return cmocka_run_group_tests_name("hard", tests, set_up, tear_down);
 }

@@ -526,6 +526,9 @@ LS_STRUCT(LsLockstepParams)
 LS_SIZE(LsLockstepParams, 80);
 
 #define LS_MAX_LANE_RAYS 32u // LS_CONSTANT_LANE_RAYS
+// In LsTraceParams.flags, of kernels that read texels: only rays whose hit has LS_HIT_CUT, for which
+// rounds ran out in lockstep.
+#define LS_TRACE_CUT_ALONE 0x80000000u
 // Steps with their tests that a group takes in the grid. Two loops count them, a third the rays in
 // the lists, so that all stay within llvmpipe's 65535.
 #define LS_LOCKSTEP_ROUNDS 20000u
