@@ -206,7 +206,8 @@ static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const
         3 * ((uint64_t)object->cells[0] + object->cells[1] + object->cells[2]);
     const uint64_t rays =
         LS_LOCKSTEP_ROUNDS / (list_rounds > grid_rounds ? list_rounds : grid_rounds);
-    return rays < 4 ? 0 : (uint32_t)(rays < LS_MAX_LANE_RAYS ? rays : LS_MAX_LANE_RAYS);
+    const uint32_t most = (uint32_t)(rays < LS_MAX_LANE_RAYS ? rays : LS_MAX_LANE_RAYS);
+    return most / LS_BLOCK_LANE_RAYS * LS_BLOCK_LANE_RAYS;
 }
 
 // Whether the scene can be traced in two passes or in lockstep, and then what these need to know.

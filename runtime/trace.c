@@ -104,7 +104,7 @@ static void record_whole(const LsScene* scene, VkCommandBuffer commands, const L
 static void record_lockstep(const LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc)
 {
     const uint32_t group_rays = scene->context->shared_lanes * scene->lane_rays;
-    const uint64_t limit = find_dispatch_limit(scene->context, LS_TRACE_GROUP_SIZE); // the fewer
+    const uint64_t limit = find_dispatch_limit(scene->context, group_rays);
     for (uint64_t first = 0; first < desc->ray_count; first += limit)
     {
         const LsTraceParams slice = slice_batch(scene, desc, first, limit);
@@ -125,11 +125,13 @@ static void record_lockstep(const LsScene* scene, VkCommandBuffer commands, cons
         dispatch(scene, commands, scene->kernel.lockstep, &params, sizeof params,
                  ((uint64_t)slice.ray_count + group_rays - 1) / group_rays);
         // Rays whose group ran out of rounds, which few do, once more by themselves.
+        const uint32_t block = scene->context->shared_lanes * LS_BLOCK_LANE_RAYS;
         LsTraceParams rest = slice;
-        rest.flags |= LS_TRACE_CUT_ALONE;
+        rest.flags |= block << LS_TRACE_BLOCK;
         await_dispatch(scene, commands);
+        const uint64_t block_count = ((uint64_t)rest.ray_count + block - 1) / block;
         dispatch(scene, commands, scene->kernel.whole[LS_TRACE_EXACT], &rest, sizeof rest,
-                 (rest.ray_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE);
+                 (block_count + LS_TRACE_GROUP_SIZE - 1) / LS_TRACE_GROUP_SIZE);
     }
 }
 

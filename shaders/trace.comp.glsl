@@ -18,19 +18,8 @@ layout(push_constant, std430) uniform Push
 #include "batch.glsl"
 #include "linespace.glsl"
 
-void main()
+void trace(uint index)
 {
-    uint index = gl_GlobalInvocationID.x;
-    if (index >= params.ray_count)
-    {
-        return;
-    }
-#ifdef LS_TEXELS
-    if ((params.flags & LS_TRACE_CUT_ALONE) != 0u && get_flags(params.hits, index) != LS_HIT_CUT)
-    {
-        return;
-    }
-#endif
     uint mask = get_mask(params.masks, index);
     LsRay ray = RayArray(params.rays).at[index];
     LsHit hit = ls_trace_ray(ray, mask, params.flags);
@@ -39,4 +28,32 @@ void main()
         hit = LsHit(0.0, 0.0, 0.0, ls_work.x, ls_work.y, ls_work.z, 0u, hit.flags);
     }
     HitArray(params.hits).at[index] = hit;
+}
+
+void main()
+{
+    uint index = gl_GlobalInvocationID.x;
+#ifdef LS_TEXELS
+    uint block = params.flags >> LS_TRACE_BLOCK & 0xFFu;
+    if (block != 0u)
+    {
+        uint first = index * block;
+        if (first < params.ray_count && get_flags(params.hits, first) == LS_HIT_CUT)
+        {
+            uint end = min(first + block, params.ray_count);
+            for (index = first; index < end; index++)
+            {
+                if (get_flags(params.hits, index) == LS_HIT_CUT)
+                {
+                    trace(index);
+                }
+            }
+        }
+        return;
+    }
+#endif
+    if (index < params.ray_count)
+    {
+        trace(index);
+    }
 }

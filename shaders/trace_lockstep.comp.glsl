@@ -316,6 +316,15 @@ void give_up(inout Traced traced, uint next, uint queued_count, uint idle_lanes)
         uint waiting = floatBitsToUint(queue_rest[slot].y);
         HitArray(params.hits).at[ray_index(waiting)].flags = LS_HIT_CUT;
     }
+    // And of each block the first, whose answer may be right, which tracing it once more does not
+    // change.
+    uint base = gl_WorkGroupID.x * LANES * LS_LANE_RAYS;
+    uint end = min(base + LANES * LS_LANE_RAYS, params.ray_count);
+    const uint BLOCK = LANES * LS_BLOCK_LANE_RAYS;
+    for (uint index = base + gl_SubgroupInvocationID * BLOCK; index < end; index += LANES * BLOCK)
+    {
+        HitArray(params.hits).at[index].flags = LS_HIT_CUT;
+    }
 }
 
 void main()

@@ -131,7 +131,8 @@ static void test_fine_grids(void** state)
     check_mesh(LS_HARD_MESH_NEEDLES, 64);
 }
 
-// Specks in even disorder, of which a line meets none or one, though cells and masks of N = 1 ask for many.
+// Specks in even disorder, of which a line meets none or one, though cells and masks of N = 1 ask
+// for many.
 static LsTestMesh make_specks(uint32_t side)
 {
     const uint32_t count = side * side * side;

@@ -274,9 +274,9 @@ LS_STRUCT(LsAttributes)
 LS_SIZE(LsAttributes, 16);
 
 // NORMALS: unit vectors in object space, octahedral: two snorm16, x in the low half (Z. Cigolle et
-// al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014; SPEC R4.16),
-// -32768 not used. The word LS_NONE: this corner has none, the triangle's own normal counts; what
-// would be encoded so, (-1,-1), is stored as (-1,0).
+// al., "A Survey of Efficient Representations for Independent Unit Vectors", JCGT 2014; SPEC
+// R4.16), -32768 not used. The word LS_NONE: this corner has none, the triangle's own normal
+// counts; what would be encoded so, (-1,-1), is stored as (-1,0).
 
 LS_STRUCT(LsTexcoord)
 {
@@ -526,9 +526,12 @@ LS_STRUCT(LsLockstepParams)
 LS_SIZE(LsLockstepParams, 80);
 
 #define LS_MAX_LANE_RAYS 32u // LS_CONSTANT_LANE_RAYS
-// In LsTraceParams.flags, of kernels that read texels: only rays whose hit has LS_HIT_CUT, for which
-// rounds ran out in lockstep.
-#define LS_TRACE_CUT_ALONE 0x80000000u
+// A lane has a multiple of so many rays. A block of a group's rays is that many for each lane;
+// where rounds ran out its first hit has LS_HIT_CUT.
+#define LS_BLOCK_LANE_RAYS 4u
+// In LsTraceParams.flags, of kernels that read texels: the rays of a block, of which an invocation
+// traces those whose hit has LS_HIT_CUT; 0: an invocation traces a ray.
+#define LS_TRACE_BLOCK 16u // first of eight bits
 // Steps with their tests that a group takes in the grid. Two loops count them, a third the rays in
 // the lists, so that all stay within llvmpipe's 65535.
 #define LS_LOCKSTEP_ROUNDS 20000u
