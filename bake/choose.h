@@ -15,8 +15,8 @@
 typedef struct LsChoice
 {
     uint32_t grid; // cells along the longest side; 0: the object is a list
-    double
-        weight; // part of all lines that meet the box of a gridded object, and of those this one's
+    // Part of all lines that meet the box of a gridded object, and of those this one's.
+    double weight;
     double price; // work of a line through the object that a byte of a table must save
 } LsChoice;
 

@@ -82,14 +82,15 @@ static LsResult allocate_memory(const LsContext* context, LsBufferKind kind, con
 static LsResult fill_buffer(const LsContext* context, LsBufferKind kind, const char* name,
                             const char* what, LsBuffer* buffer, LsError* error)
 {
+    const VkBufferUsageFlags texels =
+        context->max_texels != 0 ? VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT : 0;
     VkBufferCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
         .size = buffer->bytes,
         .usage = kind == LS_BUFFER_STAGING
                      ? VK_BUFFER_USAGE_TRANSFER_SRC_BIT
                      : VK_BUFFER_USAGE_TRANSFER_DST_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                           VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
-                           VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT,
+                           VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT | texels,
         .sharingMode = VK_SHARING_MODE_EXCLUSIVE,
     };
     VkResult code = context->vk.CreateBuffer(context->device, &info, NULL, &buffer->handle);

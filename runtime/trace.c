@@ -173,8 +173,7 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
         dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1); // zeroes the queue
         await_dispatch(scene, commands);
         lists.ray_count = slice.ray_count;
-        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists,
-                 group_count);
+        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, group_count);
         await_dispatch(scene, commands);
         dispatch(scene, commands, scene->kernel.grid, &grid, sizeof grid,
                  refills && group_count > MAX_REFILLING_GROUPS ? MAX_REFILLING_GROUPS

@@ -23,28 +23,32 @@ layout(set = 0, binding = 10) uniform utextureBuffer ls_texels_shafts;
 
 LsObject ls_fetch_object(uint index)
 {
-    uvec4 t[9];
-    for (uint i = 0u; i < 9u; i++)
-    {
-        t[i] = LS_TEXEL(objects, 9u * index + i);
-    }
-    return LsObject(uintBitsToFloat(t[0].xyz), t[0].w, uintBitsToFloat(t[1].xyz),
-                    uintBitsToFloat(t[1].w), uintBitsToFloat(t[2].xyz), uintBitsToFloat(t[2].w),
-                    uint[3](t[3].x, t[3].y, t[3].z), uintBitsToFloat(t[3].w), t[4].x, t[4].y,
-                    t[4].z, t[4].w, t[5].x, t[5].y, t[5].z, t[5].w, t[6].x, t[6].y, t[6].z, t[6].w,
-                    t[7].x, t[7].y, t[7].z, t[7].w, t[8].x, t[8].y, t[8].z, t[8].w);
+    uvec4 a = LS_TEXEL(objects, 9u * index);
+    uvec4 b = LS_TEXEL(objects, 9u * index + 1u);
+    uvec4 c = LS_TEXEL(objects, 9u * index + 2u);
+    uvec4 d = LS_TEXEL(objects, 9u * index + 3u);
+    uvec4 e = LS_TEXEL(objects, 9u * index + 4u);
+    uvec4 f = LS_TEXEL(objects, 9u * index + 5u);
+    uvec4 g = LS_TEXEL(objects, 9u * index + 6u);
+    uvec4 h = LS_TEXEL(objects, 9u * index + 7u);
+    uvec4 i = LS_TEXEL(objects, 9u * index + 8u);
+    return LsObject(uintBitsToFloat(a.xyz), a.w, uintBitsToFloat(b.xyz), uintBitsToFloat(b.w),
+                    uintBitsToFloat(c.xyz), uintBitsToFloat(c.w), uint[3](d.x, d.y, d.z),
+                    uintBitsToFloat(d.w), e.x, e.y, e.z, e.w, f.x, f.y, f.z, f.w, g.x, g.y, g.z,
+                    g.w, h.x, h.y, h.z, h.w, i.x, i.y, i.z, i.w);
 }
 
 LsInstance ls_fetch_instance(uint index)
 {
-    vec4 rows[6];
-    for (uint i = 0u; i < 6u; i++)
-    {
-        rows[i] = uintBitsToFloat(LS_TEXEL(instances, 8u * index + i));
-    }
-    uvec4 t = LS_TEXEL(instances, 8u * index + 6u);
-    return LsInstance(vec4[3](rows[0], rows[1], rows[2]), vec4[3](rows[3], rows[4], rows[5]), t.x,
-                      t.y, t.z, t.w, uint[4](0u, 0u, 0u, 0u));
+    vec4 a = uintBitsToFloat(LS_TEXEL(instances, 8u * index));
+    vec4 b = uintBitsToFloat(LS_TEXEL(instances, 8u * index + 1u));
+    vec4 c = uintBitsToFloat(LS_TEXEL(instances, 8u * index + 2u));
+    vec4 d = uintBitsToFloat(LS_TEXEL(instances, 8u * index + 3u));
+    vec4 e = uintBitsToFloat(LS_TEXEL(instances, 8u * index + 4u));
+    vec4 f = uintBitsToFloat(LS_TEXEL(instances, 8u * index + 5u));
+    uvec4 g = LS_TEXEL(instances, 8u * index + 6u);
+    return LsInstance(vec4[3](a, b, c), vec4[3](d, e, f), g.x, g.y, g.z, g.w,
+                      uint[4](0u, 0u, 0u, 0u));
 }
 
 LsTriangle ls_fetch_triangle(uint index)

@@ -30,30 +30,34 @@ void trace(uint index)
     HitArray(params.hits).at[index] = hit;
 }
 
+#ifdef LS_TEXELS
+
+// A ray, or those of a block that are marked. One loop for both, so that the code is there once.
+void main()
+{
+    uint block = params.flags >> LS_TRACE_BLOCK & 0xFFu;
+    uint first = gl_GlobalInvocationID.x * max(block, 1u);
+    bool is_wanted = first < params.ray_count &&
+                     (block == 0u || get_flags(params.hits, first) == LS_HIT_CUT);
+    uint end = is_wanted ? min(first + max(block, 1u), params.ray_count) : first;
+    for (uint index = first; index < end; index++)
+    {
+        if (block == 0u || get_flags(params.hits, index) == LS_HIT_CUT)
+        {
+            trace(index);
+        }
+    }
+}
+
+#else
+
 void main()
 {
     uint index = gl_GlobalInvocationID.x;
-#ifdef LS_TEXELS
-    uint block = params.flags >> LS_TRACE_BLOCK & 0xFFu;
-    if (block != 0u)
-    {
-        uint first = index * block;
-        if (first < params.ray_count && get_flags(params.hits, first) == LS_HIT_CUT)
-        {
-            uint end = min(first + block, params.ray_count);
-            for (index = first; index < end; index++)
-            {
-                if (get_flags(params.hits, index) == LS_HIT_CUT)
-                {
-                    trace(index);
-                }
-            }
-        }
-        return;
-    }
-#endif
     if (index < params.ray_count)
     {
         trace(index);
     }
 }
+
+#endif

@@ -116,7 +116,7 @@ static uint32_t add_table(LsFixture* fixture, uint32_t patches, uint32_t log2_wi
                           uint32_t* word)
 {
     const uint32_t width = 1u << log2_width;
-    const uint32_t bits = 15 * patches * patches * patches * patches * width;
+    const uint32_t bits = LS_SHAFT_COUNT(patches) * width;
     for (uint32_t bit = 0; bit < bits; ++bit)
     {
         if (bit / 32 % 3 == 0 && bit % width < count)

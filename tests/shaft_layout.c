@@ -40,22 +40,32 @@ static uint32_t lay_table(LsVoxel* voxel, const uint32_t* from, uint32_t* to, ui
     const uint32_t new_log2 = exact ? 0 : log2_width(count);
     const uint32_t new_width = exact ? count : 1u << new_log2;
     const uint32_t patches = voxel->shape >> 8 & 255;
-    const uint32_t shafts = 15 * patches * patches * patches * patches;
+    const uint32_t shafts = LS_SHAFT_COUNT(patches);
     copy_masks(from + voxel->table, old_width, to + next, new_width, shafts, count);
     voxel->shape = (voxel->shape & 0xFFFF) | new_log2 << 16;
     voxel->table = next;
     return (shafts * new_width + 31) / 32;
 }
 
-LsShaftLayout ls_mask_layout(const LsFileDesc* source, bool exact)
+// The source with arrays of its own for objects, voxels and up to `words` shaft words.
+static LsShaftLayout start_layout(const LsFileDesc* source, size_t words)
 {
     LsShaftLayout layout = {.desc = *source};
     layout.objects = malloc(source->OBJECTS_count * sizeof(LsObject));
     layout.voxels = malloc(source->VOXELS_count * sizeof(LsVoxel));
-    layout.shafts = calloc(8 * (size_t)source->SHAFTS_count, sizeof(uint32_t)); // one bit to four
+    layout.shafts = calloc(words, sizeof(uint32_t));
     assert_true(layout.objects && layout.voxels && layout.shafts);
     memcpy(layout.objects, source->objects, source->OBJECTS_count * sizeof(LsObject));
     memcpy(layout.voxels, source->voxels, source->VOXELS_count * sizeof(LsVoxel));
+    layout.desc.objects = layout.objects;
+    layout.desc.voxels = layout.voxels;
+    layout.desc.shafts = layout.shafts;
+    return layout;
+}
+
+LsShaftLayout ls_mask_layout(const LsFileDesc* source, bool exact)
+{
+    LsShaftLayout layout = start_layout(source, 8 * (size_t)source->SHAFTS_count); // a bit to four
     uint32_t first = 0;
     for (uint32_t i = 0; i < source->OBJECTS_count; ++i)
     {
@@ -74,24 +84,15 @@ LsShaftLayout ls_mask_layout(const LsFileDesc* source, bool exact)
         object->shaft_word_count = next;
         first += next;
     }
-    layout.desc.objects = layout.objects;
-    layout.desc.voxels = layout.voxels;
-    layout.desc.shafts = layout.shafts;
     layout.desc.SHAFTS_count = first;
     return layout;
 }
 
 LsShaftLayout ls_scene_shaft_layout(const LsFileDesc* source, uint32_t patches)
 {
-    const uint32_t words = 15 * patches * patches * patches * patches;
-    LsShaftLayout layout = {.desc = *source};
-    layout.objects = malloc(source->OBJECTS_count * sizeof(LsObject));
-    layout.voxels = malloc(source->VOXELS_count * sizeof(LsVoxel));
-    layout.shafts =
-        malloc((source->SHAFTS_count + (size_t)words * source->OBJECTS_count) * sizeof(uint32_t));
-    assert_true(layout.objects && layout.voxels && layout.shafts);
-    memcpy(layout.objects, source->objects, source->OBJECTS_count * sizeof(LsObject));
-    memcpy(layout.voxels, source->voxels, source->VOXELS_count * sizeof(LsVoxel));
+    const uint32_t words = LS_SHAFT_COUNT(patches);
+    LsShaftLayout layout =
+        start_layout(source, source->SHAFTS_count + (size_t)words * source->OBJECTS_count);
     uint32_t next = 0;
     for (uint32_t i = 0; i < source->OBJECTS_count; ++i)
     {
@@ -113,9 +114,6 @@ LsShaftLayout ls_scene_shaft_layout(const LsFileDesc* source, uint32_t patches)
         object->shaft_word_count = next - object->first_shaft_word;
         object->scene_patches = object->kind == LS_OBJECT_GRID ? patches : 0;
     }
-    layout.desc.objects = layout.objects;
-    layout.desc.voxels = layout.voxels;
-    layout.desc.shafts = layout.shafts;
     layout.desc.SHAFTS_count = next;
     return layout;
 }

@@ -68,7 +68,7 @@ static void walk_masks(Walk* walk, const LsObject* object, const LsVoxel* voxel)
 {
     const uint32_t patches = voxel->shape >> 8 & 255;
     const uint32_t width = ls_mask_width(voxel);
-    const uint32_t shafts = 15 * patches * patches * patches * patches;
+    const uint32_t shafts = LS_SHAFT_COUNT(patches);
     const uint32_t* table = walk->file->shafts + object->first_shaft_word + voxel->table;
     for (uint32_t shaft = 0; shaft < shafts; shaft += 1 + shafts / 64)
     {
@@ -131,7 +131,7 @@ static void walk_object(Walk* walk, const LsObject* object)
     if (patches > 0)
     {
         take(walk, walk->file->shafts + object->first_shaft_word,
-             15 * patches * patches * patches * patches * sizeof(uint32_t));
+             LS_SHAFT_COUNT(patches) * sizeof(uint32_t));
     }
     for (uint32_t i = 0; i < object->triangle_count; ++i)
     {

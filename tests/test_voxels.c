@@ -498,7 +498,7 @@ static LsMaskTally check_masks(const LsGridView* view, uint32_t voxel_samples,
         const uint32_t* table = view->file->shafts + object->first_shaft_word + voxel->table;
         const uint32_t* references =
             view->file->references + object->first_reference + voxel->first_reference;
-        uint32_t shaft_count = 15u * patches * patches * patches * patches;
+        uint32_t shaft_count = LS_SHAFT_COUNT(patches);
         for (uint32_t s = 0; s < shaft_samples; s++)
         {
             uint32_t shaft = ls_random_below(&random, shaft_count);
