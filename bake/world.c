@@ -163,8 +163,9 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
 }
 
 // World box of an instance, true to the stored inverse, and grown by what rounding can move a ray
-// that starts within the scene's coordinates: the transform's error, relative to the coordinates,
-// and the triangle test's.
+// that starts within the scene's coordinates: the transform's error, relative to the coordinates in
+// the world and, for objects that lie far from their own origin, in object space, and the triangle
+// test's.
 static LsBox instance_box(LsWorld* world, const LsInstance* instance, const LsMesh* mesh)
 {
     Matrix stored = load_rows(instance->object_from_world);
@@ -185,13 +186,16 @@ static LsBox instance_box(LsWorld* world, const LsInstance* instance, const LsMe
         }
     }
     double condition = norm(&placed) * norm(&stored);
-    double largest = 0.0, longest = 0.0;
+    double largest = 0.0, longest = 0.0, largest_object = 0.0;
     for (int axis = 0; axis < 3; axis++)
     {
         largest = fmax(largest, fmax(fabs(box.lower[axis]), fabs(box.upper[axis])));
+        largest_object =
+            fmax(largest_object, fmax(fabs(mesh->lower[axis]), fabs(mesh->upper[axis])));
         longest = fmax(longest, box.upper[axis] - box.lower[axis]);
     }
-    double grow = condition * largest * 0x1p-19 + longest * 0x1p-15;
+    double moved = fmax(condition * largest, norm(&placed) * largest_object);
+    double grow = moved * 0x1p-19 + longest * 0x1p-15;
     for (int axis = 0; axis < 3; axis++)
     {
         if (mesh->triangle_count > 0)

@@ -21,3 +21,7 @@ set_tests_properties(test_exact_scene_shafts PROPERTIES LABELS gpu)
 # Arrays cut into segments against whole ones.
 ls_add_test(NAME test_segments SOURCES test_segments.c LIBRARIES ls_test_gpu ls_test_scenes ls_render)
 set_tests_properties(test_segments PROPERTIES LABELS gpu)
+
+# Lists about a grid, in one pass and in two.
+ls_add_test(NAME test_lists SOURCES test_lists.c LIBRARIES ls_test_gpu ls_test_scenes)
+set_tests_properties(test_lists PROPERTIES LABELS gpu)
