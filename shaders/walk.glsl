@@ -283,27 +283,14 @@ bool ls_walk_leaf(LsGrid grid, LsLocalRay ray, inout LsWalk walk, LsVoxel voxel)
     return false;
 }
 
-// One cell, or one leaf of a BVH: what of it is to be tested is in the walk afterwards, which then
-// stands before the next.
-void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
+// What stands where the ray is. Lowest nibble 0: a voxel, the other bits its number. Else an empty
+// cube, a nibble for each octant of directions its side, in blocks where `in_block` is false.
+uint ls_walk_find(LsGrid grid, inout LsWalk walk, out bool in_block)
 {
-    ivec3 cell = walk.cell;
-    uvec3 at = uvec3(cell ^ ls_mirror(walk.mirror));
-    float cells_per_unit = 1.0; // 4^level, and its inverse
-    float cell_size = 1.0;
-    if (LS_HAS_SUBGRIDS != 0u)
-    {
-        cells_per_unit = uintBitsToFloat((127u + 2u * walk.level) << 23);
-        cell_size = uintBitsToFloat((127u - 2u * walk.level) << 23);
-    }
-    walk.mask = 0u;
-    ls_work.x += walk.leaf_node == 0u ? 1u : 0u; // else it is a cell that was begun before
-
-    // What stands here: an empty cube, which begins at `base` and grows with the ray, or a voxel.
+    uvec3 at = uvec3(walk.cell ^ ls_mirror(walk.mirror));
     uint word = 0u;
-    ivec3 base = cell;
-    uint unit_log2 = 0u;
-    bool in_block = true;
+    in_block = true;
+    ls_work.x += walk.leaf_node == 0u ? 1u : 0u; // else it is a cell that was begun before
     if (LS_HAS_SUBGRIDS == 0u || walk.level == 0u)
     {
         uvec3 at_block = at >> 2;
@@ -320,12 +307,31 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         word = LS_LOAD_CELL(grid.first_cell_block + walk.block,
                             in_at.x + 4u * in_at.y + 16u * in_at.z);
     }
-    else
+    return word;
+}
+
+bool ls_is_voxel(uint word)
+{
+    return (word & 15u) == 0u;
+}
+
+// Passes what ls_walk_find has found, `filled` if it is a voxel: one cell or empty cube, or one leaf
+// of a BVH. What of it is to be tested is in the walk afterwards, which then stands before the next.
+void ls_walk_pass(LsGrid grid, LsLocalRay ray, inout LsWalk walk, uint word, bool in_block,
+                  bool filled)
+{
+    ivec3 cell = walk.cell;
+    float cells_per_unit = 1.0; // 4^level, and its inverse
+    float cell_size = 1.0;
+    if (LS_HAS_SUBGRIDS != 0u)
     {
-        base = cell & ~3;
-        unit_log2 = 2u;
+        cells_per_unit = uintBitsToFloat((127u + 2u * walk.level) << 23);
+        cell_size = uintBitsToFloat((127u - 2u * walk.level) << 23);
     }
-    bool filled = (word & 15u) == 0u;
+    walk.mask = 0u;
+    // An empty cube begins at `base` and grows with the ray.
+    ivec3 base = in_block ? cell : cell & ~3;
+    uint unit_log2 = in_block ? 0u : 2u;
     LsVoxel voxel;
 #ifdef LS_TEXELS
     // Lanes that have none fetch as well, and then what the cache holds.
@@ -388,7 +394,8 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
     }
 
     // Step through the plane of axis_out; along the other axes the ray stays within the cube.
-    ivec3 next = mix(clamp(ivec3(floor(point_out)), cell, plane - 1), plane, ls_is_axis(axis_out));
+    ivec3 inside = filled ? cell : clamp(ivec3(floor(point_out)), cell, plane - 1);
+    ivec3 next = mix(inside, plane, ls_is_axis(axis_out));
     walk.s = s_out;
     walk.axis = axis_out;
     while (LS_HAS_SUBGRIDS != 0u && walk.level > 0u && any(notEqual(next >> 2, cell >> 2)))
@@ -408,6 +415,13 @@ void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
         walk.level = 0u;
         walk.cell = ivec3(LS_OUTSIDE);
     }
+}
+
+void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
+{
+    bool in_block;
+    uint word = ls_walk_find(grid, walk, in_block);
+    ls_walk_pass(grid, ray, walk, word, in_block, ls_is_voxel(word));
 }
 
 #endif
