@@ -74,7 +74,7 @@ function(ls_install_package)
     install(FILES format/SPEC.md LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
     if(LS_BUILD_RUNTIME)
         ls_install_pkgconfig(linespace-runtime)
-        install(FILES shaders/scene.glsl shaders/triangle.glsl shaders/instance.glsl shaders/walk.glsl
+        install(FILES shaders/scene.glsl shaders/triangle.glsl shaders/carry.glsl shaders/instance.glsl shaders/walk.glsl
             shaders/linespace.glsl shaders/texels.glsl format/include/ls_layout.h
             DESTINATION ${LS_INSTALL_SHADERS})
     endif()

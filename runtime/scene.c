@@ -151,8 +151,8 @@ static uint64_t count_brute_rounds(const LsFile* file)
     return rounds;
 }
 
-// Top nodes that every ray of a first pass looks at, one after the other.
-#define MAX_TOP_NODES 64
+// Instances that every ray of a first pass looks at, one after the other.
+#define MAX_PASS_INSTANCES 32
 
 // The instance of a file's only object with a grid, or LS_NONE when there are more or none of
 // either.
@@ -213,20 +213,20 @@ static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const
 // Whether the scene can be traced in two passes or in lockstep, and then what these need to know.
 // Their kernels take the grid's parts of the arrays to begin at 0, so other objects with a grid,
 // even if without an instance, rule it out.
-static void prepare_one_grid(LsScene* scene, const LsFile* file)
+static LsResult prepare_one_grid(LsScene* scene, LsUpload* upload, const LsFile* file,
+                                 const char* name, LsError* error)
 {
     const uint32_t index = find_grid_instance(file);
     const LsContext* context = scene->context;
     if (index == LS_NONE || context->shared_lanes == 0)
     {
-        return;
+        return LS_OK;
     }
     const LsInstance* instance = &file->instances[index];
     const LsObject* object = &file->objects[instance->object];
-    scene->top_node_count = ls_file_count(file, LS_CHUNK_TOP_NODES);
     // On a CPU one pass is faster, and kernels take seconds to compile.
-    scene->has_passes =
-        scene->top_node_count <= MAX_TOP_NODES && (!context->is_cpu || context->measures);
+    scene->has_passes = ls_file_count(file, LS_CHUNK_INSTANCES) <= MAX_PASS_INSTANCES &&
+                        (!context->is_cpu || context->measures);
     scene->lane_rays = choose_lane_rays(scene, file, object);
     scene->grid = (LsGridParams){
         .triangles = scene->trace.triangles,
@@ -247,6 +247,13 @@ static void prepare_one_grid(LsScene* scene, const LsFile* file)
         .first_triangle = object->first_triangle,
         .first_subgrid_block = object->cell_block_count - object->subgrid_count,
     };
+    if (!scene->has_passes)
+    {
+        return LS_OK;
+    }
+    const LsResult result = ls_lists_create(upload, file, index, name, &scene->lists, error);
+    scene->device_bytes += scene->lists.instances.device_bytes + scene->lists.boxes.device_bytes;
+    return result;
 }
 
 // Leaves the scene without texels where the device would not gain, or an array is too large or cut.
@@ -289,7 +296,10 @@ static LsResult fill_scene(LsScene* scene, const LsFile* file, const char* name,
     }
     if (result == LS_OK)
     {
-        prepare_one_grid(scene, file);
+        result = prepare_one_grid(scene, &upload, file, name, error);
+    }
+    if (result == LS_OK)
+    {
         const LsTraceKernelDesc desc = {
             .features = scene->features,
             .segment_log2 = scene->segment_log2,
@@ -345,6 +355,7 @@ void ls_scene_destroy(LsScene* scene)
         ls_array_destroy(context, &scene->chunks[chunk]);
     }
     ls_array_destroy(context, &scene->table);
+    ls_lists_destroy(context, &scene->lists);
     free(scene);
 }
 

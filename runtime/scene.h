@@ -3,7 +3,7 @@
 #ifndef LS_SCENE_H
 #define LS_SCENE_H
 
-#include "array.h"
+#include "lists.h"
 #include "pipeline.h"
 #include "texels.h"
 
@@ -18,7 +18,7 @@ struct LsScene
     LsTexels texels; // zero where the kernels read buffers
     LsTraceKernel kernel;
     LsGridParams grid; // of scenes with one grid, without what belongs to a batch
-    uint32_t top_node_count;
+    LsLists lists;      // of those that can be traced in two passes
     bool has_passes;    // the scene has one grid, and the device can trace it in two passes
     uint32_t lane_rays; // of a lane, if it is traced in lockstep; else 0
     uint64_t device_bytes;

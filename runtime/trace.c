@@ -148,18 +148,18 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
     {
         const LsTraceParams slice = slice_batch(scene, desc, first, limit);
         LsListParams lists = {
-            .objects = scene->trace.objects,
-            .instances = scene->trace.instances,
-            .top_nodes = scene->trace.top_nodes,
+            .instances = scene->lists.instances.address,
+            .boxes = scene->lists.boxes.address,
             .triangles = scene->trace.triangles,
             .rays = slice.rays,
             .hits = slice.hits,
             .masks = slice.masks,
             .queue = desc->scratch,
+            .ray_count = slice.ray_count,
             .flags = desc->flags,
-            .top_node_count = scene->top_node_count,
-            .grid_instance = scene->grid.instance,
+            .list_count = scene->lists.list_count,
             .transform_bound = scene->trace.transform_bound,
+            .begins = 1,
         };
         LsGridParams grid = scene->grid;
         grid.hits = slice.hits;
@@ -170,9 +170,9 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
         {
             await_dispatch(scene, commands);
         }
-        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1); // zeroes the queue
+        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1);
         await_dispatch(scene, commands);
-        lists.ray_count = slice.ray_count;
+        lists.begins = 0;
         dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, group_count);
         await_dispatch(scene, commands);
         dispatch(scene, commands, scene->kernel.grid, &grid, sizeof grid,

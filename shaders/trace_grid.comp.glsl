@@ -2,12 +2,15 @@
 //
 // Lanes walk until enough triangles wait to be tested. Then all lanes of the subgroup share the
 // tests, a pair of ray and triangle each, whichever ray it belongs to; owners collect what was
-// found. So neither long walks nor long lists leave the other lanes idle for long. A lane whose ray
-// has ended takes the next one from the queue (T. Aila, S. Laine, "Understanding the Efficiency of
-// Ray Traversal on GPUs", HPG 2009), unless LS_REFILL is 0, for devices that bound the rounds of
-// loops. Some rays meet many times more cells than others, and a batch ends with its last ray: when
-// the queue is empty, lanes without a ray take half of the way that another still has before it,
-// again and again. A group is one subgroup, of at most 32 lanes.
+// found. So neither long walks nor long lists leave the other lanes idle for long. Empty cubes and
+// voxels are passed apart from each other, for many lanes at a time. A lane whose ray has ended
+// takes the next one from the queue (T. Aila, S. Laine, "Understanding the Efficiency of Ray
+// Traversal on GPUs", HPG 2009), unless LS_REFILL is 0, for devices that bound the rounds of loops.
+//
+// Some rays meet many times more cells than others, and a batch ends with its last ray. So rays
+// with a long way are taken first, neighbours by different subgroups; and when the queue is empty,
+// lanes without a ray take parts of the way that another still has before it, again and again. A
+// group is one subgroup, of at most 32 lanes.
 
 #version 460
 #extension GL_GOOGLE_include_directive : require
@@ -33,10 +36,15 @@ layout(push_constant, std430) uniform Push
 #include "walk.glsl"
 
 #define LANES gl_WorkGroupSize.x
-const uint FEWEST_IDLE = LANES * 3u / 8u;  // lanes that wait before they fetch rays or parts
-const uint FEWEST_PAIRS = LANES * 3u / 4u; // tests that wait before they are done
-const uint FEWEST_STEPS = 4u;              // between one division and the next
-const float FEWEST_CELLS = 2.0;            // that lie before a ray if its way is divided
+const uint FEWEST_IDLE = LANES / 2u;            // lanes that wait before they fetch rays
+const uint FEWEST_FREE = LANES / 4u;            // before they take parts of rays
+// Tests that wait before they are done: the more, the fewer rounds of loops.
+const uint FEWEST_PAIRS = LS_REFILL != 0u ? LANES * 5u / 8u : LANES;
+const uint FEWEST_SEARCHING = LANES * 5u / 16u; // lanes in empty cubes while others wait in voxels
+const uint FEWEST_STEPS = 4u;                   // between one division and the next
+const float FEWEST_CELLS = 2.0;                 // that lie before a ray if its way is divided
+const uint DEALT = 2u;                          // rays beside each other that stay together
+const uint DEALT_TO = 256u;                     // apart from each other lie those dealt in a row
 
 // What testing needs of the ray of each lane: pivot and major, sheared and s0.
 shared vec4 pivots[LANES];
@@ -69,13 +77,31 @@ LsGrid get_grid()
 {
     return LsGrid(params.grid_lower, params.inverse_cell,
                   uvec3(params.cells[0], params.cells[1], params.cells[2]), 0u, 0u, 0u, 0u, 0u, 0u,
-                  0u, params.first_subgrid_block,
-                  (params.flags >> LS_GRID_SCENE_PATCHES) & 0xFFu);
+                  0u, params.first_subgrid_block, (params.flags >> LS_GRID_SCENE_PATCHES) & 0xFFu);
 }
 
 bool takes_any()
 {
     return (params.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
+}
+
+// Rays beside each other in a batch are alike: where they graze a surface, all have long ways, and a
+// subgroup of such rays would be what the batch waits for. So they are dealt out like cards. A
+// permutation of the numbers below `count`.
+uint deal(uint number, uint count)
+{
+    uint hand_count = count / (DEALT * DEALT_TO);
+    uint card = number / DEALT;
+    uint dealt = ((card % DEALT_TO) * hand_count + card / DEALT_TO) * DEALT + number % DEALT;
+    return number < hand_count * DEALT * DEALT_TO ? dealt : number;
+}
+
+// The slot of the ray that is taken as number `number`: those with long ways first.
+uint find_slot(uint number, uint far_count, uint queued_count)
+{
+    return number < far_count ? deal(number, far_count)
+                              : Queue(params.queue).head.capacity - 1u -
+                                    deal(number - far_count, queued_count - far_count);
 }
 
 // Takes ray `slot` of the queue. False if it misses the grid after all.
@@ -135,11 +161,10 @@ bool keep(inout Traced traced, float s, uint triangle)
     }
     if (s == traced.ray.smax)
     {
-        bool wins =
-            traced.triangle == LS_NONE
-                ? (traced.scales & 1u << 16) != 0u
-                : ls_load_primitive(params.first_triangle + triangle) <
-                      ls_load_primitive(params.first_triangle + traced.triangle);
+        bool wins = traced.triangle == LS_NONE
+                        ? (traced.scales & 1u << 16) != 0u
+                        : ls_load_primitive(params.first_triangle + triangle) <
+                              ls_load_primitive(params.first_triangle + traced.triangle);
         if (!wins)
         {
             return false;
@@ -148,6 +173,28 @@ bool keep(inout Traced traced, float s, uint triangle)
     traced.ray.smax = s;
     traced.triangle = triangle;
     return takes_any();
+}
+
+// Passes over the lowest `width` bits of what is left of a mask if bit `number` is not among them.
+void pass_bits(uint mask, uint width, inout uint number, inout uint bit)
+{
+    uint count = bitCount((mask >> bit) & ((1u << width) - 1u));
+    bool passes = number >= count;
+    number -= passes ? count : 0u;
+    bit += passes ? width : 0u;
+}
+
+// Which bit of a mask is set as number `number`, counted from 0. Without a loop, since some devices
+// bound their rounds.
+uint find_bit(uint mask, uint number)
+{
+    uint bit = 0u;
+    pass_bits(mask, 16u, number, bit);
+    pass_bits(mask, 8u, number, bit);
+    pass_bits(mask, 4u, number, bit);
+    pass_bits(mask, 2u, number, bit);
+    pass_bits(mask, 1u, number, bit);
+    return bit;
 }
 
 // Does as many of the waiting tests as there are lanes: those of `pending`, whose bit k stands for
@@ -174,11 +221,7 @@ bool share_tests(inout Traced traced, inout uint pending, uint first_reference, 
     uint bit = 0u;
     if (lane < pair_count)
     {
-        for (; skipped > 0u; skipped--)
-        {
-            mask &= mask - 1u;
-        }
-        bit = uint(findLSB(mask));
+        bit = find_bit(mask, skipped);
         triangle = LS_LOAD_WORD(references, first + bit);
         LsLocalRay ray = load_testing_ray(owner);
         LsProjection p = ls_project(ray, params.first_triangle + triangle);
@@ -259,8 +302,8 @@ void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
 
 #define TAKE(value) value = subgroupShuffle(value, giver)
 
-// Lanes without a ray take the second half of the way that others have before them. They start
-// there as rays do that begin inside a grid, which loses no hit (docs/exactness.md).
+// Lanes without a ray take parts of the way that others have before them, evenly. They start there
+// as rays do that begin inside a grid, which loses no hit (docs/exactness.md).
 void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
 {
     uint lane = gl_SubgroupInvocationID;
@@ -268,32 +311,50 @@ void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
     vec3 low = ls_mirrored_low(walk.mirror, border);
     float s_leave = ls_min_component((low + border - walk.origin) * walk.inverse);
     float s_last = min(min(s_leave, traced.s_end), traced.ray.smax - traced.ray.s0);
-    float s_middle = 0.5 * (walk.s + s_last);
-    bool gives = walks && (s_last - walk.s) * ls_max_component(walk.direction) > FEWEST_CELLS;
+    float cell_count = (s_last - walk.s) * ls_max_component(walk.direction); // about
+    bool gives = walks && cell_count > FEWEST_CELLS;
     bool takes = traced.owner == LS_NONE;
     uvec4 givers = subgroupBallot(gives);
     uvec4 takers = subgroupBallot(takes);
-    uint count = min(subgroupBallotBitCount(givers), subgroupBallotBitCount(takers));
-    if (count == 0u)
+    uint giver_count = subgroupBallotBitCount(givers);
+    uint taker_count = subgroupBallotBitCount(takers);
+    if (giver_count == 0u)
     {
         return;
     }
-    uint gives_to = subgroupBallotExclusiveBitCount(givers);
-    uint takes_from = subgroupBallotExclusiveBitCount(takers);
-    gives = gives && gives_to < count;
-    takes = takes && takes_from < count;
+
+    // The first giver's parts go to the first takers, and so on.
+    uint share = max(taker_count / giver_count, 1u);
+    uint giver_number = subgroupBallotExclusiveBitCount(givers);
+    uint taker_number = subgroupBallotExclusiveBitCount(takers);
     if (gives)
     {
-        notes[gives_to] = lane;
+        notes[giver_number] = lane;
     }
     subgroupBarrier();
-    uint giver = takes ? notes[takes_from] : lane;
+    bool finds_takers = gives && giver_number * share < taker_count;
+    uint part_count = finds_takers ? min(share, uint(min(cell_count, float(LANES)))) + 1u : 1u;
+    precise float s_part = (s_last - walk.s) / float(part_count);
+    uint part = taker_number % share + 1u; // part 0 stays with the giver
+    uint taken_from = taker_number / share;
+    uint giver = takes && taken_from < giver_count ? notes[taken_from] : lane;
+    uint count_there = subgroupShuffle(part_count, giver);
+    takes = takes && giver != lane && part < count_there;
+    giver = takes ? giver : lane;
+
+    // Where one part ends the next begins, to the bit.
+    TAKE(part_count);
+    TAKE(s_part);
     float s_end = subgroupShuffle(traced.s_end, giver);
-    if (gives)
+    precise float s_first = subgroupShuffle(walk.s, giver);
+    part = takes ? part : 0u;
+    precise float s_begin = s_first + s_part * float(part);
+    precise float s_behind = s_first + s_part * float(part + 1u);
+    if ((finds_takers || takes) && part + 1u < part_count)
     {
-        traced.s_end = s_middle;
+        s_end = s_behind;
     }
-    TAKE(s_middle);
+    traced.s_end = s_end;
     TAKE(walk.origin);
     TAKE(walk.direction);
     TAKE(walk.inverse);
@@ -315,22 +376,57 @@ void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
     {
         pivots[lane] = pivots[giver];
         sheareds[lane] = sheareds[giver];
-        traced.s_end = s_end;
-        walk.s = s_middle;
+        walk.s = s_begin;
         walk.axis = 3u;
         walk.level = 0u;
         walk.block = 0u;
         walk.leaf_node = 0u;
         walk.mask = 0u;
-        walk.cell = ls_find_cell(walk, s_middle, ls_mirrored_low(walk.mirror, border), border);
+        walk.cell = ls_find_cell(walk, s_begin, ls_mirrored_low(walk.mirror, border), border);
         walks = true;
     }
-    subgroupMemoryBarrierShared();
+    subgroupBarrier();
+}
+
+// Walks through empty cubes until few lanes still do, then with all that came to a voxel through
+// it: a voxel takes twice the instructions of a cube, which all lanes wait for. Where a device
+// bounds the rounds of loops, through one cube at most.
+void walk_on(Traced traced, inout LsWalk walk, inout bool walks)
+{
+    bool searches = walks && walk.mask == 0u;
+    uint word = LS_NONE;
+    do
+    {
+        if (searches)
+        {
+            walks = !ls_walk_is_over(get_grid(), traced.ray, walk) && !(traced.s_end < walk.s);
+            searches = walks;
+            if (walks)
+            {
+                bool in_block;
+                word = ls_walk_find(get_grid(), walk, in_block);
+                if (ls_is_voxel(word))
+                {
+                    searches = false;
+                }
+                else
+                {
+                    ls_walk_pass(get_grid(), traced.ray, walk, word, in_block, false);
+                }
+            }
+        }
+    } while (LS_REFILL != 0u &&
+             subgroupBallotBitCount(subgroupBallot(searches)) >= FEWEST_SEARCHING);
+    if (ls_is_voxel(word))
+    {
+        ls_walk_pass(get_grid(), traced.ray, walk, word, true, true);
+    }
 }
 
 void main()
 {
-    uint queued_count = Queue(params.queue).head.count;
+    uint far_count = Queue(params.queue).head.counts[0];
+    uint queued_count = far_count + Queue(params.queue).head.counts[1];
     Traced traced;
     traced.triangle = LS_NONE;
     traced.owner = LS_NONE;
@@ -343,9 +439,9 @@ void main()
     {
         uint slot = gl_GlobalInvocationID.x;
         queues_ray = slot < queued_count;
-        walks = queues_ray && begin(slot, traced, walk);
+        walks = queues_ray && begin(find_slot(slot, far_count, queued_count), traced, walk);
         is_drained = true;
-        subgroupMemoryBarrierShared();
+        subgroupBarrier();
     }
     while (true)
     {
@@ -361,7 +457,7 @@ void main()
             {
                 break;
             }
-            if (free_count >= FEWEST_IDLE)
+            if (free_count >= FEWEST_FREE)
             {
                 divide(traced, walk, walks);
             }
@@ -384,9 +480,10 @@ void main()
                 {
                     finish(traced);
                     traced.owner = LS_NONE;
-                    walks = slot < queued_count && begin(slot, traced, walk);
+                    walks = slot < queued_count &&
+                            begin(find_slot(slot, far_count, queued_count), traced, walk);
                 }
-                subgroupMemoryBarrierShared();
+                subgroupBarrier();
             }
         }
 
@@ -397,22 +494,15 @@ void main()
         {
             pair_count = subgroupAdd(bitCount(walk.mask));
             bool steps = walks && walk.mask == 0u;
-            uint idle_count =
-                subgroupBallotBitCount(subgroupBallot(!walks && walk.mask == 0u));
+            uint idle_count = subgroupBallotBitCount(subgroupBallot(!walks && walk.mask == 0u));
             if (pair_count >= FEWEST_PAIRS || !subgroupAny(steps) ||
-                (idle_count >= FEWEST_IDLE && (!is_drained || steps_done >= FEWEST_STEPS)))
+                (is_drained ? idle_count >= FEWEST_FREE && steps_done >= FEWEST_STEPS
+                            : idle_count >= FEWEST_IDLE))
             {
                 break;
             }
             steps_done++;
-            if (steps)
-            {
-                walks = !ls_walk_is_over(get_grid(), traced.ray, walk) && !(traced.s_end < walk.s);
-                if (walks)
-                {
-                    ls_walk_step(get_grid(), traced.ray, walk);
-                }
-            }
+            walk_on(traced, walk, walks);
         }
         bool steps = walks && walk.mask == 0u;
         if (pair_count >= FEWEST_PAIRS || (pair_count != 0u && !subgroupAny(steps)))
@@ -428,7 +518,8 @@ void main()
     if (LS_REFILL == 0u && queues_ray && is_cut)
     {
         // A device ended the loop; whose ray it was cannot be told.
-        uint index = Queue(params.queue).rays[gl_GlobalInvocationID.x].index;
+        uint slot = find_slot(gl_GlobalInvocationID.x, far_count, queued_count);
+        uint index = Queue(params.queue).rays[slot].index;
         HitArray(params.hits).at[index].flags = LS_HIT_CUT;
     }
 }

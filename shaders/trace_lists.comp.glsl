@@ -13,7 +13,6 @@
 #extension GL_EXT_buffer_reference_uvec2 : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_shuffle : require
-#extension GL_KHR_shader_subgroup_vote : require
 
 #include "ls_layout.h"
 
@@ -26,69 +25,100 @@ layout(push_constant, std430) uniform Push
 
 #define ls_scene params
 #include "batch.glsl"
-#include "instance.glsl"
+#include "carry.glsl"
 
-#define LANES gl_WorkGroupSize.x
+LS_ARRAY(PassInstanceArray, LsPassInstance, 16);
+LS_ARRAY(PairBoxArray, LsPairBox, 16);
 
-// Boxes of the pairs of triangles that are looked at, from the lower corner of their object's box.
-shared vec3 lowers[LANES / 2u];
-shared vec3 uppers[LANES / 2u];
+// The part of the box's longest side from which on a way through it is long.
+#ifndef LONG
+#define LONG 0.2
+#endif
 
-// How far boxes grow, as a part of an object's `reach`, which is twice its longest side: what
-// rounding can do to boxes, rays and tests is a third of it (docs/exactness.md).
-const float GROWTH = 7.62939453125e-06; // 2^-17
-
-bool sees(uint instance, uint mask)
+// Carries a scaled ray into the space of an instance, whose number among LsPassInstance is in the
+// order of instances. False if it misses it.
+bool carry_ray(LsRay ray, uint number, float tmax, out LsLocalRay local)
 {
-    return (LsInstanceArray(params.instances).at[instance].mask & mask) != 0u;
-}
-
-// The boxes of triangles `first` to `first` + LANES of a list. All lanes come here.
-void make_boxes(uint object, uint first)
-{
-    LsObjectArray objects = LsObjectArray(params.objects);
-    uint last = objects.at[object].triangle_count - 1u;
-    uint index = objects.at[object].first_triangle + min(first + gl_SubgroupInvocationID, last);
-    LS_FIND_TRIANGLE(triangles, index);
-    vec3 v0 = triangles.at[index].v0;
-    vec3 v1 = triangles.at[index].v1;
-    vec3 v2 = triangles.at[index].v2;
-    vec3 lower = min(min(v0, v1), v2);
-    vec3 upper = max(max(v0, v1), v2);
-    lower = min(lower, subgroupShuffleXor(lower, 1u));
-    upper = max(upper, subgroupShuffleXor(upper, 1u));
-    float growth = objects.at[object].reach * GROWTH;
-    subgroupBarrier();
-    if ((gl_SubgroupInvocationID & 1u) == 0u)
+    PassInstanceArray instances = PassInstanceArray(params.instances);
+    uint kind = instances.at[number].flags;
+    local.origin = ray.origin;
+    local.direction = ray.direction;
+    local.instance = number;
+    local.object = instances.at[number].object;
+    local.first_triangle = instances.at[number].first_triangle;
+    local.flags = params.flags;
+    local.mirrored = (kind & LS_INSTANCE_MIRRORED) != 0u;
+    if ((kind & LS_INSTANCE_IDENTITY) == 0u &&
+        !ls_carry_by(ray, instances.at[number].object_from_world[0],
+                     instances.at[number].object_from_world[1],
+                     instances.at[number].object_from_world[2], local))
     {
-        // First the corner: growth may be less than what coordinates far from 0 can tell apart.
-        precise vec3 lower_grown = (lower - objects.at[object].lower) - growth;
-        precise vec3 upper_grown = (upper - objects.at[object].lower) + growth;
-        lowers[gl_SubgroupInvocationID >> 1] = lower_grown;
-        uppers[gl_SubgroupInvocationID >> 1] = upper_grown;
+        return false;
     }
-    subgroupBarrier();
+    return ls_local_ray_finish(local, ray.tmin, tmax, instances.at[number].object_lower,
+                               instances.at[number].object_upper, instances.at[number].reach);
 }
 
-// Tests those of triangles `first` to `end` of a ray's list whose boxes it meets. True if the ray
-// may end.
-bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end)
+// Whether a scaled ray that sees the instances of `mask` meets one before `tmax`; carries it there.
+bool meets_instance(LsRay ray, uint number, uint mask, vec3 inverse, float pad, float tmax,
+                    out LsLocalRay local)
 {
-    vec3 inverse = ls_inverse_direction(ray.direction);
-    vec3 origin = (ray.origin - LsObjectArray(params.objects).at[ray.object].lower) * inverse;
+    PassInstanceArray instances = PassInstanceArray(params.instances);
+    return (instances.at[number].mask & mask) != 0u &&
+           ls_meets_box(ray.origin, inverse, instances.at[number].lower - pad,
+                        instances.at[number].upper + pad, ray.tmin, tmax) &&
+           carry_ray(ray, number, tmax, local);
+}
+
+// Whether the way of a scaled ray through an instance's box is long, against the box.
+bool has_long_way(LsRay ray, uint number, vec3 inverse, float pad, float tmax)
+{
+    PassInstanceArray instances = PassInstanceArray(params.instances);
+    precise vec3 lower = instances.at[number].lower - pad;
+    precise vec3 upper = instances.at[number].upper + pad;
+    precise vec3 a = (lower - ray.origin) * inverse;
+    precise vec3 b = (upper - ray.origin) * inverse;
+    float t_enter = max(ls_max_component(min(a, b)), ray.tmin);
+    float t_leave = min(ls_min_component(max(a, b)), tmax);
+    return (t_leave - t_enter) * ls_max_component(abs(ray.direction)) >
+           LONG * ls_max_component(upper - lower);
+}
+
+// Tests those of triangles `first` to `end` of a ray's list whose boxes it meets, the first of them
+// being `first_box`. True if the ray may end. `inverse` and `origin`: of the ray's direction, and
+// its origin from the object's lower corner times that.
+bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end, uint first_box,
+                vec3 inverse, vec3 origin)
+{
+    PairBoxArray boxes = PairBoxArray(params.boxes);
     float s_first = ray.smin - ray.s0;
     float s_limit = ray.s0 == 0.0 ? ray.smax : LS_INFINITY;
-    uint left = 0u;
-    for (uint pair = 0u; first + 2u * pair < end; pair++)
+    uint met = 0u;
+    uint pair = 0u;
+    for (; first + 2u * pair < end; pair++)
     {
-        vec3 a = lowers[pair] * inverse - origin;
-        vec3 b = uppers[pair] * inverse - origin;
+        vec3 a = boxes.at[first_box + pair].lower * inverse - origin;
+        vec3 b = boxes.at[first_box + pair].upper * inverse - origin;
         // What is too large for a number is NaN, and met.
-        bool missed = max(ls_max_component(min(a, b)), s_first) >
-                      min(ls_min_component(max(a, b)), s_limit);
-        left |= missed ? 0u : 3u << (2u * pair);
+        bool missed =
+            max(ls_max_component(min(a, b)), s_first) > min(ls_min_component(max(a, b)), s_limit);
+        met |= missed ? 0u : 1u << pair;
     }
-    left &= 0xFFFFFFFFu >> (32u - min(end - first, 32u));
+    ls_cut = ls_cut || int(first + 2u * pair - end) < 0;
+
+    // The quick part of the tests for both triangles of a box at once, then the rest for those that
+    // are left, which is one of two as a rule.
+    uint left = 0u;
+    while (met != 0u)
+    {
+        uint bit = 2u * uint(findLSB(met));
+        met &= met - 1u;
+        uint index = ray.first_triangle + first;
+        uint other = min(bit + 1u, end - first - 1u);
+        left |= ls_may_meet(ls_project(ray, index + bit)) ? 1u << bit : 0u;
+        left |= ls_may_meet(ls_project(ray, index + other)) ? 1u << other : 0u;
+    }
+    ls_cut = ls_cut || int(met | (0u - met)) < 0;
     while (left != 0u)
     {
         uint bit = uint(findLSB(left));
@@ -102,58 +132,36 @@ bool test_boxed(inout LsLocalRay ray, inout LsBest best, uint first, uint end)
     return false;
 }
 
-// Traces a scaled ray through the instances that are lists, unless it is `done`; true if it is done
-// then. All lanes look at the same node at a time: scenes of one grid have few. Tells whether the
-// ray meets the grid's box.
-bool trace_lists(LsRay ray, uint mask, bool done, inout LsBest best, out bool meets_grid)
+// Traces a scaled ray through the lists; true if it may end.
+bool trace_lists(LsRay ray, uint mask, vec3 inverse, float pad, inout LsBest best)
 {
-    LsBvhNodeArray nodes = LsBvhNodeArray(params.top_nodes);
-    vec3 inverse = ls_inverse_direction(ray.direction);
-    float pad = params.transform_bound * ls_max_component(abs(ray.origin));
-    uint grid_node = LS_NONE;
+    PassInstanceArray instances = PassInstanceArray(params.instances);
     uint i = 0u;
-    for (; i < params.top_node_count; i++)
+    for (; i < params.list_count; i++)
     {
-        LsBvhNode node = nodes.at[i];
-        uint instance = node.leaf >> 4;
-        if (node.leaf == 0u)
-        {
-            continue;
-        }
-        if (instance == params.grid_instance)
-        {
-            grid_node = i;
-            continue;
-        }
         LsLocalRay local;
-        bool meets = !done && sees(instance, mask) &&
-                     ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin,
-                                  best.t) &&
-                     ls_carry_ray(ray, instance, best.t, params.flags, local);
-        if (!subgroupAny(meets))
+        if (!meets_instance(ray, i, mask, inverse, pad, best.t, local))
         {
             continue;
         }
-        uint object = LsInstanceArray(params.instances).at[instance].object;
-        uint count = LsObjectArray(params.objects).at[object].triangle_count;
-        for (uint first = 0u; first < count; first += LANES)
+        bool is_same = (instances.at[i].flags & LS_INSTANCE_IDENTITY) != 0u;
+        vec3 local_inverse = is_same ? inverse : ls_inverse_direction(local.direction);
+        vec3 origin = (local.origin - instances.at[i].object_lower) * local_inverse;
+        uint count = instances.at[i].triangle_count;
+        uint first_box = instances.at[i].first_box;
+        uint first = 0u;
+        for (; first < count; first += 32u)
         {
-            make_boxes(object, first);
-            if (meets && !done)
+            if (test_boxed(local, best, first, min(first + 32u, count), first_box + first / 2u,
+                           local_inverse, origin))
             {
-                done = test_boxed(local, best, first, min(first + LANES, count));
+                return true;
             }
         }
+        ls_cut = ls_cut || int(first - count) < 0;
     }
-    ls_cut = ls_cut || int(i - params.top_node_count) < 0;
-    meets_grid = params.top_node_count == 0u && sees(params.grid_instance, mask);
-    if (grid_node != LS_NONE && sees(params.grid_instance, mask))
-    {
-        LsBvhNode node = nodes.at[grid_node];
-        meets_grid =
-            ls_meets_box(ray.origin, inverse, node.lower - pad, node.upper + pad, ray.tmin, best.t);
-    }
-    return done;
+    ls_cut = ls_cut || int(i - params.list_count) < 0;
+    return false;
 }
 
 LsHit make_hit(LsBest best, float scale)
@@ -161,13 +169,14 @@ LsHit make_hit(LsBest best, float scale)
     LsHit hit = LsHit(-1.0, 0.0, 0.0, LS_NONE, LS_NONE, LS_NONE, LS_NONE, ls_cut ? LS_HIT_CUT : 0u);
     if (best.instance != LS_NONE)
     {
+        PassInstanceArray instances = PassInstanceArray(params.instances);
         bool any = (params.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
         hit.t = any ? 0.0 : best.t * ls_exact_inverse(scale);
         hit.u = any ? 0.0 : ls_best_weights.x;
         hit.v = any ? 0.0 : ls_best_weights.y;
-        hit.instance = best.instance;
-        hit.object = LsInstanceArray(params.instances).at[best.instance].object;
-        uint index = LsObjectArray(params.objects).at[hit.object].first_triangle + best.triangle;
+        hit.instance = instances.at[best.instance].instance;
+        hit.object = instances.at[best.instance].object;
+        uint index = instances.at[best.instance].first_triangle + best.triangle;
         LS_FIND_TRIANGLE(triangles, index);
         hit.primitive = triangles.at[index].primitive;
         hit.material = triangles.at[index].material;
@@ -178,54 +187,68 @@ LsHit make_hit(LsBest best, float scale)
 void main()
 {
     Queue queue = Queue(params.queue);
-    if (params.ray_count == 0u)
+    if (params.begins != 0u)
     {
         if (gl_GlobalInvocationID.x == 0u)
         {
-            queue.head.count = 0u;
+            queue.head.counts[0] = 0u;
+            queue.head.counts[1] = 0u;
+            queue.head.capacity = params.ray_count;
             queue.head.next = 0u;
         }
         return;
     }
-    // Lanes beyond the last ray take it once more, since all are needed to look at lists.
     bool has_ray = gl_GlobalInvocationID.x < params.ray_count;
     uint index = min(gl_GlobalInvocationID.x, params.ray_count - 1u);
     LsRay ray = RayArray(params.rays).at[index];
+    uint mask = get_mask(params.masks, index);
     ls_cut = false;
-    bool is_legal = ls_ray_is_legal(ray);
+    bool goes_on = has_ray && ls_ray_is_legal(ray);
     float scale = ls_scale_ray(ray);
+    vec3 inverse = ls_inverse_direction(ray.direction);
+    float pad = params.transform_bound * ls_max_component(abs(ray.origin));
     LsBest best = LsBest(ray.tmax, LS_NONE, LS_NONE);
-    bool goes_on;
-    bool done =
-        trace_lists(ray, get_mask(params.masks, index), !has_ray || !is_legal, best, goes_on);
+    goes_on = goes_on && !trace_lists(ray, mask, inverse, pad, best);
+
     LsGridRay grid_ray;
-    goes_on = goes_on && !done;
+    bool is_long = false;
     if (goes_on)
     {
+        PassInstanceArray instances = PassInstanceArray(params.instances);
         LsLocalRay local;
-        goes_on = ls_carry_ray(ray, params.grid_instance, best.t, params.flags, local);
-        bool wins_ties = best.instance != LS_NONE && params.grid_instance < best.instance;
+        goes_on = meets_instance(ray, params.list_count, mask, inverse, pad, best.t, local);
+        is_long = has_long_way(ray, params.list_count, inverse, pad, best.t);
+        bool wins_ties = best.instance != LS_NONE && instances.at[params.list_count].instance <
+                                                         instances.at[best.instance].instance;
         uint scales = (floatBitsToUint(scale) >> 23) | ((floatBitsToUint(local.scale) >> 23) << 8) |
                       (wins_ties ? 1u << 16 : 0u);
         grid_ray = LsGridRay(local.origin, local.smin, local.direction, local.smax, index, local.s0,
                              scales, 0u);
     }
+
+    // One addition a subgroup to each count, by the first two lanes; two there are in any. While it
+    // is on its way the hits are written.
+    uvec4 going = subgroupBallot(goes_on);
+    uvec4 going_far = subgroupBallot(goes_on && is_long);
+    uint count = subgroupBallotBitCount(going);
+    uint far_count = subgroupBallotBitCount(going_far);
+    uint lane = gl_SubgroupInvocationID;
+    uint first = 0u;
+    if (lane < 2u && count != 0u)
+    {
+        first = atomicAdd(queue.head.counts[lane], lane == 0u ? far_count : count - far_count);
+    }
     if (has_ray)
     {
         store_hit(params.hits, index, make_hit(best, scale));
     }
-
-    // One addition a subgroup.
-    uvec4 going = subgroupBallot(goes_on);
-    uint count = subgroupBallotBitCount(going);
-    uint first = 0u;
-    if (count != 0u && subgroupElect())
-    {
-        first = atomicAdd(queue.head.count, count);
-    }
-    first = subgroupBroadcastFirst(first);
+    first = subgroupShuffle(first, is_long ? 0u : 1u);
     if (goes_on)
     {
-        store_queued(params.queue, first + subgroupBallotExclusiveBitCount(going), grid_ray);
+        uint far_before = subgroupBallotExclusiveBitCount(going_far);
+        uint before = subgroupBallotExclusiveBitCount(going) - far_before;
+        store_queued(params.queue,
+                     is_long ? first + far_before : params.ray_count - 1u - (first + before),
+                     grid_ray);
     }
 }

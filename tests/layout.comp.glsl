@@ -42,6 +42,8 @@ BUFFER(25, LsGridRay);
 BUFFER(26, LsListParams);
 BUFFER(27, LsGridParams);
 BUFFER(28, LsLockstepParams);
+BUFFER(29, LsPassInstance);
+BUFFER(30, LsPairBox);
 
 void main()
 {

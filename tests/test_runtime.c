@@ -286,7 +286,8 @@ static void test_facts_of_a_scene(void** state)
     };
     const uint64_t bytes[] = {
         sizeof(LsDeviceScene) + 144 + 128 + 2 * 48 + 2 * 48,
-        sizeof(LsDeviceScene) + 144 + 128 + 2 * 48 + 4 * 48 + 4 + 256 + 16 + 4 * 4 + 2 * 4,
+        sizeof(LsDeviceScene) + 144 + 128 + 2 * 48 + 4 * 48 + 4 + 256 + 16 + 4 * 4 + 2 * 4 +
+            sizeof(LsPassInstance),
         sizeof(LsDeviceScene) + 144 + 3 * 128 + 5 * 32 + 2 * 48 + 2 * 48,
     };
     for (int i = 0; i <= LS_SMALL_INSTANCES; i++)

@@ -431,13 +431,15 @@ LS_SIZE(LsTraceParams, 128);
 
 // ---- The two passes of scenes with one grid -----------------------------------------------------
 
-// What the first pass leaves for the second: rays that go on into the grid. Zeroed by the first
-// pass called with ray_count 0.
+// What the first pass leaves for the second: rays that go on into the grid, LsGridRay[capacity].
+// Those with a long way before them fill it from the front, so that they are taken first, the
+// others from the back.
 LS_STRUCT(LsTraceQueue)
 {
-    uint32_t count;        // of rays: LsGridRay[count] follow
+    uint32_t counts[2]; // of rays with a long way, of the others
+    uint32_t capacity;
     uint32_t next;         // that no lane has taken yet
-    uint32_t reserved[14]; // so that the rays begin at a multiple of 64
+    uint32_t reserved[12]; // so that the rays begin at a multiple of 64
 };
 LS_SIZE(LsTraceQueue, 64);
 
@@ -456,12 +458,44 @@ LS_STRUCT(LsGridRay)
 };
 LS_SIZE(LsGridRay, 48);
 
-// Push constants of the first pass: tops and lists.
+// An instance as the first pass reads it: all of it in one place, since loads that wait for each
+// other are what that pass would spend its time on. Made when a scene is created, for the instances
+// that are lists and behind them for the one with the grid, from the top level, INSTANCES and
+// OBJECTS.
+LS_STRUCT(LsPassInstance)
+{
+    LsVec3 lower; // world space: the box of the top level's leaf; without a top level all there is
+    uint32_t mask;
+    LsVec3 upper;
+    uint32_t flags; // LS_INSTANCE_*
+    LsVec4 object_from_world[3];
+    LsVec3 object_lower;
+    float reach;
+    LsVec3 object_upper;
+    uint32_t first_box; // of a list: LsPairBox[ceil(triangle_count / 2)]
+    uint32_t instance;
+    uint32_t object;
+    uint32_t first_triangle;
+    uint32_t triangle_count;
+};
+LS_SIZE(LsPassInstance, 128);
+
+// The box of triangles 2k and 2k + 1 of a list, or of its last one, grown by more than rounding can
+// do to boxes, rays and tests (docs/exactness.md).
+LS_STRUCT(LsPairBox)
+{
+    LsVec3 lower; // object space, from the object's lower corner
+    uint32_t reserved_0;
+    LsVec3 upper;
+    uint32_t reserved_1;
+};
+LS_SIZE(LsPairBox, 32);
+
+// Push constants of the first pass: lists.
 LS_STRUCT(LsListParams)
 {
-    LsAddress objects;
-    LsAddress instances;
-    LsAddress top_nodes;
+    LsAddress instances; // LsPassInstance[list_count + 1]
+    LsAddress boxes;     // LsPairBox
     LsAddress triangles;
     LsAddress rays; // as in LsTraceParams
     LsAddress hits;
@@ -469,12 +503,12 @@ LS_STRUCT(LsListParams)
     LsAddress queue; // LsTraceQueue
     uint32_t ray_count;
     uint32_t flags;
-    uint32_t top_node_count; // 0 without a top level
-    uint32_t grid_instance;
+    uint32_t list_count;
     float transform_bound;
+    uint32_t begins; // 1: makes the queue empty and does nothing else
     uint32_t reserved;
 };
-LS_SIZE(LsListParams, 88);
+LS_SIZE(LsListParams, 80);
 
 // Push constants of the second pass: the grid. The fields of LsObject that it needs are the
 // object's.
