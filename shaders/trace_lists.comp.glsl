@@ -30,10 +30,7 @@ layout(push_constant, std430) uniform Push
 LS_ARRAY(PassInstanceArray, LsPassInstance, 16);
 LS_ARRAY(PairBoxArray, LsPairBox, 16);
 
-// The part of the box's longest side from which on a way through it is long.
-#ifndef LONG
-#define LONG 0.2
-#endif
+const float LONG_WAY = 0.2; // longer ones through a box, in parts of its longest side, are long
 
 // Carries a scaled ray into the space of an instance, whose number among LsPassInstance is in the
 // order of instances. False if it misses it.
@@ -70,7 +67,7 @@ bool meets_instance(LsRay ray, uint number, uint mask, vec3 inverse, float pad, 
            carry_ray(ray, number, tmax, local);
 }
 
-// Whether the way of a scaled ray through an instance's box is long, against the box.
+// Whether the way of a scaled ray through an instance's box is long.
 bool has_long_way(LsRay ray, uint number, vec3 inverse, float pad, float tmax)
 {
     PassInstanceArray instances = PassInstanceArray(params.instances);
@@ -81,7 +78,7 @@ bool has_long_way(LsRay ray, uint number, vec3 inverse, float pad, float tmax)
     float t_enter = max(ls_max_component(min(a, b)), ray.tmin);
     float t_leave = min(ls_min_component(max(a, b)), tmax);
     return (t_leave - t_enter) * ls_max_component(abs(ray.direction)) >
-           LONG * ls_max_component(upper - lower);
+           LONG_WAY * ls_max_component(upper - lower);
 }
 
 // Tests those of triangles `first` to `end` of a ray's list whose boxes it meets, the first of them
