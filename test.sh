@@ -136,7 +136,7 @@ compare_bytes()
 
 install_packages "${BUILD_PACKAGES[@]}" "${TEST_PACKAGES[@]}"
 
-build_and_test release
+build_and_test release --parallel 2
 
 # Tests that trace on lavapipe carry the label "gpu": they take minutes, sanitized above all.
 without_gpu=(--label-exclude gpu)

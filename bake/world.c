@@ -163,9 +163,10 @@ static LsResult place_instance(LsWorld* world, const LsInput* input, uint32_t in
 }
 
 // World box of an instance, true to the stored inverse, and grown by what rounding can move a ray
-// that starts within the scene's coordinates: the transform's error, relative to the coordinates in
-// the world and, for objects that lie far from their own origin, in object space, and the triangle
-// test's.
+// that starts within the scene's coordinates: the transform's error and the triangle test's. The
+// first is relative to the coordinates in the world and, for objects that lie far from their own
+// origin, in object space; 2^-19 is more than twice the sum of both, so the larger is enough
+// (docs/exactness.md).
 static LsBox instance_box(LsWorld* world, const LsInstance* instance, const LsMesh* mesh)
 {
     Matrix stored = load_rows(instance->object_from_world);

@@ -151,8 +151,22 @@ static uint64_t count_brute_rounds(const LsFile* file)
     return rounds;
 }
 
-// Instances that every ray of a first pass looks at, one after the other.
+// Instances that every ray of a first pass looks at, one after the other, and triangles of them all
+// that are lists; lsbake makes lists of 32 triangles at most.
 #define MAX_PASS_INSTANCES 32
+#define MAX_PASS_TRIANGLES 1024
+
+static bool has_short_lists(const LsFile* file, uint32_t grid_instance)
+{
+    uint64_t triangle_count = 0;
+    for (uint32_t i = 0; i < ls_file_count(file, LS_CHUNK_INSTANCES); i++)
+    {
+        const LsObject* object = &file->objects[file->instances[i].object];
+        triangle_count += i == grid_instance ? 0 : object->triangle_count;
+    }
+    return ls_file_count(file, LS_CHUNK_INSTANCES) <= MAX_PASS_INSTANCES &&
+           triangle_count <= MAX_PASS_TRIANGLES;
+}
 
 // The instance of a file's only object with a grid, or LS_NONE when there are more or none of
 // either.
@@ -225,8 +239,7 @@ static LsResult prepare_one_grid(LsScene* scene, LsUpload* upload, const LsFile*
     const LsInstance* instance = &file->instances[index];
     const LsObject* object = &file->objects[instance->object];
     // On a CPU one pass is faster, and kernels take seconds to compile.
-    scene->has_passes = ls_file_count(file, LS_CHUNK_INSTANCES) <= MAX_PASS_INSTANCES &&
-                        (!context->is_cpu || context->measures);
+    scene->has_passes = has_short_lists(file, index) && (!context->is_cpu || context->measures);
     scene->lane_rays = choose_lane_rays(scene, file, object);
     scene->grid = (LsGridParams){
         .triangles = scene->trace.triangles,

@@ -158,7 +158,7 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
             .ray_count = slice.ray_count,
             .flags = desc->flags,
             .list_count = scene->lists.list_count,
-            .transform_bound = scene->trace.transform_bound,
+            .transform_bound = scene->lists.transform_bound,
             .begins = 1,
         };
         LsGridParams grid = scene->grid;

@@ -23,7 +23,8 @@ typedef struct LsUpload
     uint32_t next;
 } LsUpload;
 
-// Prepares uploads of at most `largest_bytes` each. `name` is for messages. After a failure, too,
+// Prepares uploads. `largest_bytes` is about what the largest takes: slots of the ring are no
+// larger, and what is goes in pieces. `name` is for messages. After a failure, too,
 // ls_upload_end must be called. Errors: DEVICE_MEMORY, DEVICE, MEMORY.
 LsResult ls_upload_begin(LsUpload* upload, const LsContext* context, VkDeviceSize largest_bytes,
                          const char* name, LsError* error);

@@ -36,15 +36,15 @@ layout(push_constant, std430) uniform Push
 #include "walk.glsl"
 
 #define LANES gl_WorkGroupSize.x
-const uint FEWEST_IDLE = LANES / 2u;            // lanes that wait before they fetch rays
-const uint FEWEST_FREE = LANES / 4u;            // before they take parts of rays
-// Tests that wait before they are done: the more, the fewer rounds of loops.
+const uint FEWEST_IDLE = LANES / 2u; // lanes that wait before they fetch rays
+const uint FEWEST_FREE = LANES / 4u; // lanes that wait before they take parts of rays
+// Tests that wait before they are done; where rounds of loops are bounded, as many as can be done.
 const uint FEWEST_PAIRS = LS_REFILL != 0u ? LANES * 5u / 8u : LANES;
 const uint FEWEST_SEARCHING = LANES * 5u / 16u; // lanes in empty cubes while others wait in voxels
 const uint FEWEST_STEPS = 4u;                   // between one division and the next
 const float FEWEST_CELLS = 2.0;                 // that lie before a ray if its way is divided
-const uint DEALT = 2u;                          // rays beside each other that stay together
-const uint DEALT_TO = 256u;                     // apart from each other lie those dealt in a row
+const uint TOGETHER = 2u;                       // rays beside each other that are taken together
+const uint STRETCHES = 256u;                    // of the queue, from which rays are taken in turns
 
 // What testing needs of the ray of each lane: pivot and major, sheared and s0.
 shared vec4 pivots[LANES];
@@ -85,15 +85,15 @@ bool takes_any()
     return (params.flags & LS_RAY_FLAG_ANY_HIT) != 0u;
 }
 
-// Rays beside each other in a batch are alike: where they graze a surface, all have long ways, and a
-// subgroup of such rays would be what the batch waits for. So they are dealt out like cards. A
-// permutation of the numbers below `count`.
+// Rays beside each other in a batch are alike: where they graze a surface, all have long ways, and
+// a subgroup of such rays would be what the batch waits for. So the rays that a subgroup takes come
+// from all stretches of the queue. A permutation of the numbers below `count`.
 uint deal(uint number, uint count)
 {
-    uint hand_count = count / (DEALT * DEALT_TO);
-    uint card = number / DEALT;
-    uint dealt = ((card % DEALT_TO) * hand_count + card / DEALT_TO) * DEALT + number % DEALT;
-    return number < hand_count * DEALT * DEALT_TO ? dealt : number;
+    uint stretch = count / (TOGETHER * STRETCHES); // its length, in what is taken together
+    uint turn = number / TOGETHER;
+    uint dealt = ((turn % STRETCHES) * stretch + turn / STRETCHES) * TOGETHER + number % TOGETHER;
+    return number < stretch * TOGETHER * STRETCHES ? dealt : number;
 }
 
 // The slot of the ray that is taken as number `number`: those with long ways first.
@@ -298,6 +298,7 @@ void collect_parts(inout Traced traced, inout bool walks, inout uint mask)
         }
         traced.owner = LS_NONE;
     }
+    subgroupBarrier(); // for the next notes
 }
 
 #define TAKE(value) value = subgroupShuffle(value, giver)
@@ -390,7 +391,7 @@ void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
 
 // Walks through empty cubes until few lanes still do, then with all that came to a voxel through
 // it: a voxel takes twice the instructions of a cube, which all lanes wait for. Where a device
-// bounds the rounds of loops, through one cube at most.
+// bounds the rounds of loops, through one cube or one voxel.
 void walk_on(Traced traced, inout LsWalk walk, inout bool walks)
 {
     bool searches = walks && walk.mask == 0u;

@@ -41,7 +41,6 @@ bool carry_ray(LsRay ray, uint number, float tmax, out LsLocalRay local)
     local.origin = ray.origin;
     local.direction = ray.direction;
     local.instance = number;
-    local.object = instances.at[number].object;
     local.first_triangle = instances.at[number].first_triangle;
     local.flags = params.flags;
     local.mirrored = (kind & LS_INSTANCE_MIRRORED) != 0u;

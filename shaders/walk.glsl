@@ -315,8 +315,9 @@ bool ls_is_voxel(uint word)
     return (word & 15u) == 0u;
 }
 
-// Passes what ls_walk_find has found, `filled` if it is a voxel: one cell or empty cube, or one leaf
-// of a BVH. What of it is to be tested is in the walk afterwards, which then stands before the next.
+// Passes what ls_walk_find has found, `filled` if it is a voxel: one cell or empty cube, or one
+// leaf of a BVH. What of it is to be tested is in the walk afterwards, which then stands before the
+// next.
 void ls_walk_pass(LsGrid grid, LsLocalRay ray, inout LsWalk walk, uint word, bool in_block,
                   bool filled)
 {

@@ -23,5 +23,7 @@ ls_add_test(NAME test_segments SOURCES test_segments.c LIBRARIES ls_test_gpu ls_
 set_tests_properties(test_segments PROPERTIES LABELS gpu)
 
 # Lists about a grid, in one pass and in two.
-ls_add_test(NAME test_lists SOURCES test_lists.c LIBRARIES ls_test_gpu ls_test_scenes)
+ls_add_test(NAME test_lists SOURCES test_lists.c fake_vulkan.c
+    LIBRARIES ls_test_gpu ls_test_scenes ls_format_write)
+target_include_directories(test_lists PRIVATE ${PROJECT_SOURCE_DIR}/runtime)
 set_tests_properties(test_lists PROPERTIES LABELS gpu)

@@ -464,7 +464,7 @@ LS_SIZE(LsGridRay, 48);
 // OBJECTS.
 LS_STRUCT(LsPassInstance)
 {
-    LsVec3 lower; // world space: the box of the top level's leaf; without a top level all there is
+    LsVec3 lower; // world space: the box of the top level's leaf, or what it would be
     uint32_t mask;
     LsVec3 upper;
     uint32_t flags; // LS_INSTANCE_*
