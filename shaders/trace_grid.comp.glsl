@@ -389,9 +389,13 @@ void divide(inout Traced traced, inout LsWalk walk, inout bool walks)
     subgroupBarrier();
 }
 
+bool goes_on(Traced traced, LsWalk walk)
+{
+    return !ls_walk_is_over(get_grid(), traced.ray, walk) && !(traced.s_end < walk.s);
+}
+
 // Walks through empty cubes until few lanes still do, then with all that came to a voxel through
-// it: a voxel takes twice the instructions of a cube, which all lanes wait for. Where a device
-// bounds the rounds of loops, through one cube or one voxel.
+// it: a voxel takes twice the instructions of a cube, which all lanes wait for.
 void walk_on(Traced traced, inout LsWalk walk, inout bool walks)
 {
     bool searches = walks && walk.mask == 0u;
@@ -400,7 +404,7 @@ void walk_on(Traced traced, inout LsWalk walk, inout bool walks)
     {
         if (searches)
         {
-            walks = !ls_walk_is_over(get_grid(), traced.ray, walk) && !(traced.s_end < walk.s);
+            walks = goes_on(traced, walk);
             searches = walks;
             if (walks)
             {
@@ -416,11 +420,23 @@ void walk_on(Traced traced, inout LsWalk walk, inout bool walks)
                 }
             }
         }
-    } while (LS_REFILL != 0u &&
-             subgroupBallotBitCount(subgroupBallot(searches)) >= FEWEST_SEARCHING);
+    } while (subgroupBallotBitCount(subgroupBallot(searches)) >= FEWEST_SEARCHING);
     if (ls_is_voxel(word))
     {
         ls_walk_pass(get_grid(), traced.ray, walk, word, true, true);
+    }
+}
+
+// The same for devices that bound the rounds of loops: through one cube or one voxel.
+void step_on(Traced traced, inout LsWalk walk, inout bool walks)
+{
+    if (walks && walk.mask == 0u)
+    {
+        walks = goes_on(traced, walk);
+        if (walks)
+        {
+            ls_walk_step(get_grid(), traced.ray, walk);
+        }
     }
 }
 
@@ -435,12 +451,12 @@ void main()
     walk.mask = 0u; // the tests that wait
     bool walks = false;
     bool is_drained = false; // the queue
-    bool queues_ray = false;
+    // A lane's only ray, where lanes take no more; each subgroup has some of the long ways then.
+    uint number = gl_SubgroupInvocationID * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    bool queues_ray = LS_REFILL == 0u && number < queued_count;
     if (LS_REFILL == 0u)
     {
-        uint slot = gl_GlobalInvocationID.x;
-        queues_ray = slot < queued_count;
-        walks = queues_ray && begin(find_slot(slot, far_count, queued_count), traced, walk);
+        walks = queues_ray && begin(find_slot(number, far_count, queued_count), traced, walk);
         is_drained = true;
         subgroupBarrier();
     }
@@ -503,7 +519,14 @@ void main()
                 break;
             }
             steps_done++;
-            walk_on(traced, walk, walks);
+            if (LS_REFILL != 0u)
+            {
+                walk_on(traced, walk, walks);
+            }
+            else
+            {
+                step_on(traced, walk, walks);
+            }
         }
         bool steps = walks && walk.mask == 0u;
         if (pair_count >= FEWEST_PAIRS || (pair_count != 0u && !subgroupAny(steps)))
@@ -516,10 +539,10 @@ void main()
         }
     }
     bool is_cut = subgroupAny(traced.owner != LS_NONE);
-    if (LS_REFILL == 0u && queues_ray && is_cut)
+    if (queues_ray && is_cut)
     {
         // A device ended the loop; whose ray it was cannot be told.
-        uint slot = find_slot(gl_GlobalInvocationID.x, far_count, queued_count);
+        uint slot = find_slot(number, far_count, queued_count);
         uint index = Queue(params.queue).rays[slot].index;
         HitArray(params.hits).at[index].flags = LS_HIT_CUT;
     }
