@@ -170,7 +170,7 @@ static void record_passes(const LsScene* scene, VkCommandBuffer commands, const 
         {
             await_dispatch(scene, commands);
         }
-        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1);
+        dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, 1); // empties it
         await_dispatch(scene, commands);
         lists.begins = 0;
         dispatch(scene, commands, scene->kernel.lists, &lists, sizeof lists, group_count);

@@ -418,6 +418,7 @@ void ls_walk_pass(LsGrid grid, LsLocalRay ray, inout LsWalk walk, uint word, boo
     }
 }
 
+// Finds and passes one cell or empty cube, or one leaf of a BVH.
 void ls_walk_step(LsGrid grid, LsLocalRay ray, inout LsWalk walk)
 {
     bool in_block;
