@@ -204,9 +204,9 @@ static uint64_t count_list_rounds(const LsFile* file)
 }
 
 // Rays of a lane in lockstep, 0 if not worth it: the more, the better, while the lists and a way
-// across all of the grid, at three rounds a cell, take LS_LOCKSTEP_ROUNDS each at most. Rays that meet
-// more tests than that allows are traced once more. What loops within a step of the walk is not
-// counted among those rounds, so nothing may.
+// across all of the grid, at three rounds a cell, take LS_LOCKSTEP_ROUNDS each at most. Rays that
+// meet more tests than that allows are traced once more. What loops within a step of the walk is
+// not counted among those rounds, so nothing may.
 static uint32_t choose_lane_rays(const LsScene* scene, const LsFile* file, const LsObject* object)
 {
     const uint64_t loops = LS_FEATURE_SUBGRIDS | LS_FEATURE_LEAF_BVHS | LS_FEATURE_SCENE_SHAFTS;

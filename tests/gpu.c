@@ -11,7 +11,7 @@
 
 #include <string.h>
 
-static void require(LsResult result, const LsError* error)
+void ls_require(LsResult result, const LsError* error)
 {
     if (result != LS_OK)
     {
@@ -24,11 +24,11 @@ void ls_gpu_open(LsGpu* gpu)
     *gpu = (LsGpu){0};
     LsError error;
     LsAppDeviceDesc desc = {0};
-    require(ls_app_device_create(&gpu->device, &desc, &error), &error);
+    ls_require(ls_app_device_create(&gpu->device, &desc, &error), &error);
     LsContextDesc context = ls_app_context_desc(&gpu->device);
     context.measures = true;
-    require(ls_context_create(&context, &gpu->context, &error), &error);
-    require(ls_app_tracer_create(&gpu->device, LS_GPU_BATCH, &gpu->tracer, &error), &error);
+    ls_require(ls_context_create(&context, &gpu->context, &error), &error);
+    ls_require(ls_app_tracer_create(&gpu->device, LS_GPU_BATCH, &gpu->tracer, &error), &error);
 }
 
 void ls_gpu_close(LsGpu* gpu)
@@ -43,10 +43,10 @@ void ls_gpu_scene_open(LsGpu* gpu, LsGpuScene* scene, const char* path)
 {
     *scene = (LsGpuScene){0};
     LsError error;
-    require(ls_mapping_open(&scene->mapping, path, &error), &error);
-    require(ls_file_open(&scene->file, scene->mapping.bytes, scene->mapping.size, path, &error),
-            &error);
-    require(ls_scene_create(gpu->context, &scene->file, path, &scene->scene, &error), &error);
+    ls_require(ls_mapping_open(&scene->mapping, path, &error), &error);
+    ls_require(ls_file_open(&scene->file, scene->mapping.bytes, scene->mapping.size, path, &error),
+               &error);
+    ls_require(ls_scene_create(gpu->context, &scene->file, path, &scene->scene, &error), &error);
 }
 
 void ls_gpu_scene_close(LsGpuScene* scene)
@@ -68,8 +68,8 @@ static void require_same_in_passes(LsGpu* gpu, const LsGpuScene* scene, const Ls
     LsAppRun run = *whole;
     run.passes = LS_APP_TWO_PASSES;
     LsError error;
-    require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, NULL, &error),
-            &error);
+    ls_require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, NULL, &error),
+               &error);
     for (uint32_t i = 0; i < run.ray_count; i++)
     {
         const LsHit* other = &gpu->tracer.hits[i];
@@ -103,8 +103,9 @@ double ls_gpu_trace(LsGpu* gpu, const LsGpuScene* scene, LsMethod method, uint32
                         .passes = LS_APP_ONE_PASS};
         double seconds;
         LsError error;
-        require(ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error),
-                &error);
+        ls_require(
+            ls_app_tracer_run(&gpu->device, &gpu->tracer, scene->scene, &run, &seconds, &error),
+            &error);
         memcpy(hits + first, gpu->tracer.hits, batch * sizeof(LsHit));
         if (method == LS_TRACE_EXACT)
         {

@@ -19,6 +19,9 @@ typedef struct LsGpu
 // Rays that one submission takes; ls_gpu_trace cuts longer arrays into such batches.
 #define LS_GPU_BATCH (1u << 16)
 
+// Fails the calling test with the error's text unless the result is LS_OK.
+void ls_require(LsResult result, const LsError* error);
+
 // Opens the device that programs would choose.
 void ls_gpu_open(LsGpu* gpu);
 void ls_gpu_close(LsGpu* gpu);

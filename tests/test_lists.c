@@ -30,14 +30,6 @@ static LsGpu gpu;
 static const char BAKED[] = FOLDER "/lists.lspace";
 static const char EDITED[] = FOLDER "/lists-edited.lspace";
 
-static void require(LsResult result, const LsError* error)
-{
-    if (result != LS_OK)
-    {
-        fail_msg("%s", error->text);
-    }
-}
-
 static void* allocate(size_t bytes)
 {
     void* memory = malloc(bytes);
@@ -130,7 +122,7 @@ static void bake_scene(void)
     };
     LsBakeReport report;
     LsError error;
-    require(ls_bake_run(&desc, &report, &error), &error);
+    ls_require(ls_bake_run(&desc, &report, &error), &error);
     ls_bake_report_destroy(&report);
     for (uint32_t i = 0; i < inputs.count; i++)
     {
@@ -176,9 +168,9 @@ static Edited begin_edit(void)
 {
     Edited edited = {0};
     LsError error;
-    require(ls_mapping_open(&edited.mapping, BAKED, &error), &error);
-    require(ls_file_open(&edited.file, edited.mapping.bytes, edited.mapping.size, BAKED, &error),
-            &error);
+    ls_require(ls_mapping_open(&edited.mapping, BAKED, &error), &error);
+    ls_require(ls_file_open(&edited.file, edited.mapping.bytes, edited.mapping.size, BAKED, &error),
+               &error);
     LsFileDesc* desc = &edited.desc;
     *desc = ls_file_desc(&edited.file);
     edited.instances = copy(desc->instances, desc->INSTANCES_count * sizeof *edited.instances);
@@ -195,7 +187,7 @@ static Edited begin_edit(void)
 static void end_edit(Edited* edited)
 {
     LsError error;
-    require(ls_file_write(&edited->desc, EDITED, &error), &error);
+    ls_require(ls_file_write(&edited->desc, EDITED, &error), &error);
     free(edited->instances);
     free(edited->objects);
     free(edited->triangles);
@@ -367,7 +359,7 @@ static void test_refilling_lanes_and_slices(void** state)
     const LsContextDesc desc =
         fake_desc((LsFakeVulkan){.driver = VK_DRIVER_ID_NVIDIA_PROPRIETARY, .max_group_count = 40});
     LsError error;
-    require(ls_context_create(&desc, &faked.context, &error), &error);
+    ls_require(ls_context_create(&desc, &faked.context, &error), &error);
     check_rays(&faked, BAKED, 800, 0, false);
     check_rays(&faked, BAKED, 800, LS_RAY_FLAG_ANY_HIT, false);
     check_rays(&faked, BAKED, 800, LS_RAY_FLAG_CULL_BACK_FACING, false);
@@ -382,8 +374,8 @@ static void test_calls_that_fail(void** state)
     LsMapping mapping;
     LsFile file;
     LsError error;
-    require(ls_mapping_open(&mapping, BAKED, &error), &error);
-    require(ls_file_open(&file, mapping.bytes, mapping.size, BAKED, &error), &error);
+    ls_require(ls_mapping_open(&mapping, BAKED, &error), &error);
+    ls_require(ls_file_open(&file, mapping.bytes, mapping.size, BAKED, &error), &error);
     uint32_t lists = 0;
     bool is_kernel = false;
     for (uint32_t n = 0; !is_kernel; n++)
@@ -392,7 +384,7 @@ static void test_calls_that_fail(void** state)
             .count_down = true, .remaining_calls = n, .failure = VK_ERROR_OUT_OF_DEVICE_MEMORY});
         LsContext* context;
         LsScene* scene;
-        require(ls_context_create(&desc, &context, &error), &error);
+        ls_require(ls_context_create(&desc, &context, &error), &error);
         assert_int_not_equal(ls_scene_create(context, &file, BAKED, &scene, &error), LS_OK);
         assert_null(scene);
         ls_context_destroy(context);

@@ -25,14 +25,6 @@
 // Whole arrays, and the same device with a context that cuts them.
 static LsGpu whole, cut;
 
-static void expect_ok(LsResult result, const LsError* error)
-{
-    if (result != LS_OK)
-    {
-        fail_msg("%s", error->text);
-    }
-}
-
 static int open_device(void** state)
 {
     (void)state;
@@ -42,7 +34,7 @@ static int open_device(void** state)
     desc.measures = true;
     desc.segment_bytes = (2u << SEGMENT_LOG2) - 1; // rounded down
     LsError error;
-    expect_ok(ls_context_create(&desc, &cut.context, &error), &error);
+    ls_require(ls_context_create(&desc, &cut.context, &error), &error);
     return 0;
 }
 
@@ -88,19 +80,19 @@ static float* render_picture(LsGpu* gpu, const LsGpuScene* scene, size_t* bytes)
     const uint32_t width = 32, height = 24;
     LsError error = {0};
     LsRender* render;
-    expect_ok(ls_render_create(&gpu->device, scene->scene, &scene->file, &render, &error), &error);
+    ls_require(ls_render_create(&gpu->device, scene->scene, &scene->file, &render, &error), &error);
     const LsRenderSettings settings = {
         .camera = ls_render_camera(&scene->file, (double)width / height),
         .width = width,
         .height = height,
         .depth = 3,
     };
-    expect_ok(ls_render_set(render, &settings, NULL, &error), &error);
-    expect_ok(ls_render_step(render, 2, &error), &error);
+    ls_require(ls_render_set(render, &settings, NULL, &error), &error);
+    ls_require(ls_render_step(render, 2, &error), &error);
     *bytes = sizeof(LsVec4) * width * height;
     float* rgba = malloc(*bytes);
     assert_non_null(rgba);
-    expect_ok(ls_render_read(render, rgba, &error), &error);
+    ls_require(ls_render_read(render, rgba, &error), &error);
     ls_render_destroy(render);
     return rgba;
 }

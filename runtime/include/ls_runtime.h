@@ -115,10 +115,10 @@ extern "C"
     uint64_t ls_trace_scratch_bytes(const LsScene* scene, uint32_t ray_count);
 
     // Records dispatches that trace the batch, and with them compute pipelines, push constants and,
-    // on llvmpipe, descriptor set 0 of the compute bind point. The caller synchronises: rays must be
-    // visible to compute shader reads before, hits are compute shader writes. Errors: ARGUMENT;
-    // DEVICE_FEATURE for brute force on a scene larger than the device can loop over (llvmpipe: half
-    // a million triangles).
+    // on llvmpipe, descriptor set 0 of the compute bind point. The caller synchronises: rays must
+    // be visible to compute shader reads before, hits are compute shader writes. Errors: ARGUMENT;
+    // DEVICE_FEATURE for brute force on a scene larger than the device can loop over (llvmpipe:
+    // half a million triangles).
     LsResult ls_trace_record(LsScene* scene, VkCommandBuffer commands, const LsTraceDesc* desc,
                              LsError* error);
 
